@@ -1,0 +1,15 @@
+// Where the sensors sit.
+#pragma once
+
+#include "tvl/geometry/camera.h"
+#include "tvl/geometry/rigid3.h"
+
+namespace tvl {
+
+struct Calibration {
+  Camera camera;         // the camera whose images are used (KITTI: any of 0..3)
+  Rigid3d T_cam_lidar;   // into that camera
+  Rigid3d T_cam0_lidar;  // into camera 0, the frame of KITTI poses; equal where there is one camera
+};
+
+}  // namespace tvl

@@ -1,0 +1,45 @@
+// What an input yields: one time-synchronised image and scan.
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "tvl/base/ids.h"
+#include "tvl/base/time.h"
+#include "tvl/sensor/lidar_scan.h"
+
+namespace tvl {
+
+// Something wrong with the data of one frame. The frame is still delivered, without the bad part.
+struct FrameFault {
+  enum class Kind {
+    kMissingScan,
+    kTruncatedScan,   // fewer rings than the sensor has, or not a whole number of points
+    kEmptyScan,
+    kInvalidPoints,   // NaN or infinite coordinates: dropped
+    kMissingImage,
+    kUnreadableImage,
+    kBlackImage,
+    kWrongSizeImage,
+    kTimeNotIncreasing,
+  };
+  Kind kind;
+  std::string message;  // names the file or frame
+};
+
+// Short name of a fault, e.g. "truncated_scan": the key it is counted under in run.json.
+const char* ToString(FrameFault::Kind kind);
+
+// The stamp is the image instant; a pose belongs to that instant; a compensated scan is
+// compensated to it.
+struct SensorFrame {
+  FrameId id = 0;
+  Timestamp stamp;
+  std::shared_ptr<const LidarScan> scan;  // null: absent or unusable
+  cv::Mat image;                          // empty: absent or unusable; 8 or 16 bit, 1 or 3 channels
+  std::vector<FrameFault> faults;
+};
+
+}  // namespace tvl
