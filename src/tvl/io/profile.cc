@@ -1,0 +1,135 @@
+#include "tvl/io/profile.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tvl/base/check.h"
+#include "tvl/base/units.h"
+#include "tvl/io/embedded_profiles.h"
+
+namespace tvl {
+namespace {
+
+// "source:line: lidar.key", the head of every message.
+std::string Where(const std::string& source, const YAML::Node& node, const std::string& key) {
+  std::ostringstream out;
+  out << source << ":" << node.Mark().line + 1 << ": " << key;
+  return out.str();
+}
+
+template <typename T>
+T As(const YAML::Node& node, const std::string& where) {
+  try {
+    return node.as<T>();
+  } catch (const YAML::Exception&) {
+    throw InputError(where + ": wrong kind of value");
+  }
+}
+
+std::vector<double> BeamBlocks(const YAML::Node& node, const std::string& where) {
+  std::vector<double> beams_rad;
+  for (const auto& block : As<std::vector<std::vector<double>>>(node, where)) {
+    TVL_CHECK_INPUT(block.size() == 3 && block[2] >= 1.0 && block[2] <= 4096.0)
+        << where << ": each block is [first, last, count]";
+    const int count = static_cast<int>(block[2]);
+    for (int i = 0; i < count; ++i) {
+      const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 0.0;
+      beams_rad.push_back(DegToRad(block[0] + share * (block[1] - block[0])));
+    }
+  }
+  return beams_rad;
+}
+
+std::vector<double> BeamList(const YAML::Node& node, const std::string& where) {
+  std::vector<double> beams_rad;
+  for (const double deg : As<std::vector<double>>(node, where)) beams_rad.push_back(DegToRad(deg));
+  return beams_rad;
+}
+
+// The model with one key of the `lidar` section applied.
+LidarModel WithKey(LidarModel model, const std::string& key, const YAML::Node& value,
+                   const std::string& where) {
+  if (key == "name") {
+    model.name = As<std::string>(value, where);
+  } else if (key == "beam_blocks_deg" || key == "beam_elevation_deg") {
+    TVL_CHECK_INPUT(model.beam_elevation_rad.empty()) << where << ": the beams are given twice";
+    model.beam_elevation_rad =
+        key == "beam_blocks_deg" ? BeamBlocks(value, where) : BeamList(value, where);
+  } else if (key == "columns") {
+    model.columns = As<int>(value, where);
+  } else if (key == "sweep_s") {
+    model.sweep_s = As<double>(value, where);
+  } else if (key == "range_sigma_m") {
+    model.range_sigma_m = As<double>(value, where);
+  } else if (key == "min_range_m") {
+    model.min_range_m = As<double>(value, where);
+  } else if (key == "max_range_m") {
+    model.max_range_m = As<double>(value, where);
+  } else if (key == "vertical_correction_deg") {
+    model.vertical_correction_rad = DegToRad(As<double>(value, where));
+  } else {
+    throw InputError(where + ": unknown key");
+  }
+  return model;
+}
+
+YAML::Node ParseYaml(const std::string& yaml, const std::string& source) {
+  try {
+    return YAML::Load(yaml);
+  } catch (const YAML::Exception& e) {
+    throw InputError(source + ": " + e.what());
+  }
+}
+
+std::string ReadText(const std::string& path) {
+  std::ifstream file(path);
+  TVL_CHECK_INPUT(file.good()) << path << ": cannot be read";
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+LidarModel ParseProfile(const std::string& yaml, const std::string& source) {
+  const YAML::Node root = ParseYaml(yaml, source);
+  TVL_CHECK_INPUT(root.IsMap() && root["lidar"] && root["lidar"].IsMap())
+      << source << ": a profile is a map with the key `lidar`";
+  for (const auto& entry : root) {
+    const auto key = entry.first.as<std::string>();
+    TVL_CHECK_INPUT(key == "lidar") << Where(source, entry.first, key) << ": unknown key";
+  }
+  LidarModel model;
+  for (const auto& entry : root["lidar"]) {
+    const auto key = entry.first.as<std::string>();
+    model = WithKey(model, key, entry.second, Where(source, entry.first, "lidar." + key));
+  }
+  try {
+    model.Check();
+  } catch (const InputError& e) {
+    throw InputError(source + ": " + e.what());
+  }
+  return model;
+}
+
+LidarModel LoadProfile(const std::string& name) {
+  for (const EmbeddedProfile& profile : EmbeddedProfiles()) {
+    if (profile.name == name) return ParseProfile(profile.yaml, "profile " + name);
+  }
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(name, ignored)) return ParseProfile(ReadText(name), name);
+  std::string known;
+  for (const std::string& profile : ProfileNames()) known += (known.empty() ? "" : ", ") + profile;
+  throw InputError("profile `" + name + "`: neither a file nor one of " + known);
+}
+
+std::vector<std::string> ProfileNames() {
+  std::vector<std::string> names;
+  for (const EmbeddedProfile& profile : EmbeddedProfiles()) names.push_back(profile.name);
+  return names;
+}
+
+}  // namespace tvl
