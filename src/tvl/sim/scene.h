@@ -29,13 +29,13 @@ struct SceneHit {
   // Identifies the thing hit (a house, a car, a tree, a piece of street); the same in every view.
   uint32_t object = 0;
   float range_m = 0.0F;
-  Eigen::Vector3f p_world;
+  Eigen::Vector3f p_world = Eigen::Vector3f::Zero();
   // The object's own frame: textures given in it are stuck to things that move. Houses: x along
   // the front facade, y towards the back, z up from the ground floor, origin at the middle of the
   // front; cars: x forward, y left, z up from the road, origin in the middle; streets: world.
-  Eigen::Vector3f p_object;
-  Eigen::Vector3f normal;         // unit, world frame, on the ray's side
-  Eigen::Vector3f normal_object;  // the same in the object's frame
+  Eigen::Vector3f p_object = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();         // unit, world frame, on the ray's side
+  Eigen::Vector3f normal_object = Eigen::Vector3f::Zero();  // the same in the object's frame
 };
 
 // Up to kWidth rays, cast together. Fastest when they are close to parallel.
