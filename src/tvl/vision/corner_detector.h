@@ -1,0 +1,27 @@
+// Shi-Tomasi corners spread over the image (paper 4.1).
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace tvl {
+
+struct CornerDetectorOptions {
+  double min_distance_px = 20.0;  // between features: keeps their distribution uniform
+  // Of the strongest corner: below it lies noise. The smaller eigenvalue of the gradient matrix is
+  // what is compared.
+  double quality = 0.01;
+  // The image is cut into cells of about this side; each gets an equal share of the features first,
+  // so that a textured hedge does not take them all.
+  double cell_px = 100.0;
+
+  void Check() const;  // throws InputError naming the field
+};
+
+// At most `count` corners of `grey` (8 bit), each at least the minimum distance from the others and
+// from `occupied_px`; sub-pixel positions. Deterministic.
+std::vector<cv::Point2f> DetectCorners(const cv::Mat& grey,
+                                       const std::vector<cv::Point2f>& occupied_px, int count,
+                                       const CornerDetectorOptions& options);
+
+}  // namespace tvl

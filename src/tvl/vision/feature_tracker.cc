@@ -1,0 +1,152 @@
+#include "tvl/vision/feature_tracker.h"
+
+#include <utility>
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+namespace {
+
+cv::Point2f ToCv(const Eigen::Vector2d& px) {
+  return {static_cast<float>(px.x()), static_cast<float>(px.y())};
+}
+
+Eigen::Vector2d ToEigen(const cv::Point2f& px) { return {px.x, px.y}; }
+
+std::vector<cv::Point2f> Positions(const std::vector<FeatureTrack>& tracks) {
+  std::vector<cv::Point2f> px;
+  px.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) px.push_back(ToCv(track.px_cam));
+  return px;
+}
+
+// One seed a track: its prediction, else a step as long as its last.
+std::vector<FlowSeed> MakeSeeds(const std::vector<FeatureTrack>& tracks,
+                                const PixelPredictions& predicted) {
+  std::vector<FlowSeed> seeds;
+  seeds.reserve(tracks.size());
+  auto next = predicted.begin();
+  for (const FeatureTrack& track : tracks) {
+    while (next != predicted.end() && next->id < track.id) ++next;
+    const bool hit = next != predicted.end() && next->id == track.id;
+    seeds.push_back({ToCv(hit ? next->px_cam : 2.0 * track.px_cam - track.px_cam_prev), hit});
+  }
+  return seeds;
+}
+
+// Drops the tracks at odds with the epipolar geometry, in place of `result.tracks`.
+FeatureTracks FilterEpipolar(FeatureTracks result, const std::vector<Eigen::Vector2d>& rays_prev,
+                             const EpipolarFilterOptions& options) {
+  std::vector<Eigen::Vector2d> rays;
+  rays.reserve(result.tracks.size());
+  for (const FeatureTrack& track : result.tracks) rays.push_back(track.ray_cam);
+  const std::vector<bool> inlier = EpipolarInliers(rays_prev, rays, options);
+  std::vector<FeatureTrack> kept;
+  kept.reserve(result.tracks.size());
+  for (size_t i = 0; i < inlier.size(); ++i) {
+    if (inlier[i]) kept.push_back(result.tracks[i]);
+  }
+  result.lost_epipolar = static_cast<int>(result.tracks.size() - kept.size());
+  result.tracks = std::move(kept);
+  return result;
+}
+
+}  // namespace
+
+void FeatureTrackerOptions::Check() const {
+  TVL_CHECK_INPUT(max_features >= 1) << "max_features: must be at least 1, is " << max_features;
+  TVL_CHECK_INPUT(refill_share >= 0.0 && refill_share <= 1.0)
+      << "refill_share: must lie in 0..1, is " << refill_share;
+  TVL_CHECK_INPUT(min_tracked >= 0) << "min_tracked: must not be negative, is " << min_tracked;
+  image.Check();
+  flow.Check();
+  epipolar.Check();
+  corners.Check();
+}
+
+FeatureTracker::FeatureTracker(const FeatureTrackerOptions& options) : options_(options) {
+  options_.Check();
+}
+
+FeatureTracks FeatureTracker::Track(const cv::Mat& image, const Camera& camera,
+                                    const PixelPredictions& predicted) {
+  if (image.empty()) return Forget();
+  const cv::Mat grey = ToGrey8(image);
+  if (!IsUsableImage(grey, options_.image)) return Forget();
+  ImagePyramid current(Equalise(grey, options_.image), options_.flow);
+
+  FeatureTracks result;
+  result.status = TrackingStatus::kFirst;
+  if (current.size() == previous_.size()) result = Follow(current, camera, predicted);
+  const double wanted = options_.refill_share * options_.max_features;
+  if (static_cast<double>(result.tracks.size()) < wanted || result.tracks.empty()) {
+    for (FeatureTrack& track : Detect(current.grey(), camera, result.tracks)) {
+      track.id = next_id_++;
+      result.tracks.push_back(track);
+      ++result.added;
+    }
+  }
+  if (result.tracks.empty()) return Forget();
+  tracks_ = result.tracks;
+  previous_ = std::move(current);
+  return result;
+}
+
+FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& camera,
+                                     const PixelPredictions& predicted) const {
+  FeatureTracks result;
+  std::vector<Eigen::Vector2d> rays_prev;
+  const std::vector<FlowPoint> flow = TrackPoints(previous_, current, Positions(tracks_),
+                                                  MakeSeeds(tracks_, predicted), options_.flow);
+  for (size_t i = 0; i < flow.size(); ++i) {
+    result.lost_flow += flow[i].status == FlowStatus::kLost;
+    result.lost_backward += flow[i].status == FlowStatus::kBackwardMismatch;
+    if (flow[i].status != FlowStatus::kTracked) continue;
+    FeatureTrack track = tracks_[i];
+    rays_prev.push_back(track.ray_cam);
+    track.px_cam_prev = track.px_cam;
+    track.px_cam = ToEigen(flow[i].px);
+    track.ray_cam = camera.Unproject(track.px_cam);
+    ++track.length;
+    result.tracks.push_back(track);
+  }
+  result = FilterEpipolar(std::move(result), rays_prev, options_.epipolar);
+  result.status = TrackingStatus::kTracked;
+  if (static_cast<int>(result.tracks.size()) < options_.min_tracked) {
+    result.status = TrackingStatus::kLost;
+    result.tracks.clear();
+  }
+  result.tracked = static_cast<int>(result.tracks.size());
+  return result;
+}
+
+std::vector<FeatureTrack> FeatureTracker::Detect(const cv::Mat& grey, const Camera& camera,
+                                                 const std::vector<FeatureTrack>& kept) const {
+  const int count = options_.max_features - static_cast<int>(kept.size());
+  std::vector<FeatureTrack> found;
+  for (const cv::Point2f& px : DetectCorners(grey, Positions(kept), count, options_.corners)) {
+    FeatureTrack track;
+    track.px_cam = track.px_cam_prev = ToEigen(px);
+    track.ray_cam = camera.Unproject(track.px_cam);
+    found.push_back(track);
+  }
+  return found;
+}
+
+FeatureTracks FeatureTracker::Forget() {
+  previous_ = ImagePyramid();
+  tracks_.clear();
+  return {};
+}
+
+FeatureTrackerState FeatureTracker::state() const {
+  return {previous_.grey().clone(), tracks_, next_id_};
+}
+
+void FeatureTracker::set_state(const FeatureTrackerState& state) {
+  previous_ = state.grey.empty() ? ImagePyramid() : ImagePyramid(state.grey.clone(), options_.flow);
+  tracks_ = state.tracks;
+  next_id_ = state.next_id;
+}
+
+}  // namespace tvl

@@ -1,0 +1,71 @@
+// Tracks visual features from image to image (paper 4.1, Fig. 3).
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "tvl/frame/feature_tracks.h"
+#include "tvl/geometry/camera.h"
+#include "tvl/vision/corner_detector.h"
+#include "tvl/vision/epipolar_filter.h"
+#include "tvl/vision/image_preparation.h"
+#include "tvl/vision/optical_flow.h"
+#include "tvl/vision/pixel_prediction.h"
+
+namespace tvl {
+
+struct FeatureTrackerOptions {
+  int max_features = 300;  // paper 4.1
+  // New features are looked for when the kept ones fall under this share of max_features: detection
+  // costs as much as the flow, and a few features more or less change nothing.
+  double refill_share = 0.8;
+  int min_tracked = 10;  // with fewer the tracks are given up (status kLost)
+  ImagePreparationOptions image;
+  OpticalFlowOptions flow;
+  EpipolarFilterOptions epipolar;
+  CornerDetectorOptions corners;
+
+  void Check() const;  // throws InputError naming the field
+};
+
+// What the tracker remembers between two images: everything that affects later results.
+struct FeatureTrackerState {
+  cv::Mat grey;                      // previous image, equalised, 8 bit; empty: none
+  std::vector<FeatureTrack> tracks;  // its features, by increasing id
+  TrackId next_id = 0;
+};
+
+// Ids are never reused and increase; a track's length counts the images it was seen in without a
+// gap. Copies are independent of each other. Not thread-safe.
+// OpenCV's own threads (cv::setNumThreads) change the speed, not the result.
+class FeatureTracker {
+ public:
+  // Throws InputError for unusable options.
+  explicit FeatureTracker(const FeatureTrackerOptions& options = {});
+
+  // Features of the next image: 8 or 16 bit, grey or BGR, as delivered (distorted; `camera` says
+  // how). An image that is empty, black, uniform or without corners gives status kNoImage and no
+  // tracks, and the image after it is a first one. So is one of another size.
+  // `predicted` (by increasing id) tells where tracks are expected: faster, and farther than the
+  // search alone reaches; tracks missing there are looked for near where they moved last.
+  FeatureTracks Track(const cv::Mat& image, const Camera& camera,
+                      const PixelPredictions& predicted = {});
+
+  // Deep copy of the memory, and its way back.
+  FeatureTrackerState state() const;
+  void set_state(const FeatureTrackerState& state);
+
+ private:
+  FeatureTracks Follow(const ImagePyramid& current, const Camera& camera,
+                       const PixelPredictions& predicted) const;
+  std::vector<FeatureTrack> Detect(const cv::Mat& grey, const Camera& camera,
+                                   const std::vector<FeatureTrack>& kept) const;
+  FeatureTracks Forget();
+
+  FeatureTrackerOptions options_;
+  ImagePyramid previous_;
+  std::vector<FeatureTrack> tracks_;
+  TrackId next_id_ = 0;
+};
+
+}  // namespace tvl
