@@ -47,12 +47,11 @@ class Thrower {
 #define TVL_INTERNAL_STR(x) TVL_INTERNAL_STR2(x)
 
 // Throws tvl::Error with the condition, the place and whatever is streamed after it.
-#define TVL_CHECK(condition)                                                              \
-  if (condition) {                                                                        \
-  } else /* NOLINT */                                                                     \
-    ::tvl::internal::Thrower<::tvl::Error>(__FILE__                                       \
-                                           ":" TVL_INTERNAL_STR(__LINE__) ": " #condition \
-                                                                  ": ")
+#define TVL_CHECK(condition)                                                                       \
+  if (condition) {                                                                                 \
+  } else /* NOLINT */                                                                              \
+    ::tvl::internal::Thrower<::tvl::Error>(__FILE__ ":" TVL_INTERNAL_STR(__LINE__) ": " #condition \
+                                                                                   ": ")
 
 // Throws tvl::InputError with whatever is streamed after it: for data and options.
 #define TVL_CHECK_INPUT(condition) \

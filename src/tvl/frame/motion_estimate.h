@@ -10,7 +10,7 @@
 namespace tvl {
 
 enum class EstimateStatus {
-  kFirst,       // nothing to estimate against
+  kFirst,  // nothing to estimate against
   kConverged,
   kNotConverged,  // iterations ran out; the value is the last one
   kPredicted,     // no usable measurement: constant velocity

@@ -12,8 +12,8 @@ namespace tvl {
 struct RangeImage {
   static constexpr int32_t kNoPoint = -1;
   int rows = 0, columns = 0;
-  std::vector<float> range_m;   // rows * columns, row-major; 0 where there is no point
-  std::vector<int32_t> point;   // index into SegmentedScan::points, kNoPoint where there is none
+  std::vector<float> range_m;  // rows * columns, row-major; 0 where there is no point
+  std::vector<int32_t> point;  // index into SegmentedScan::points, kNoPoint where there is none
 
   size_t Index(int row, int column) const {
     return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column);
@@ -34,7 +34,7 @@ struct SegmentedScan {
   std::vector<uint16_t> ring;           // row
   std::vector<int32_t> label;           // kLabel..., clusters from kFirstClusterLabel
   RangeImage image;
-  int clusters = 0;                     // kept clusters; labels run to kFirstClusterLabel + clusters
+  int clusters = 0;  // kept clusters; labels run to kFirstClusterLabel + clusters
 
   size_t size() const { return points.size(); }
 };

@@ -8,12 +8,12 @@ namespace tvl {
 
 enum class DepthStatus : uint8_t {
   kOk,
-  kNoPoints,        // too few lidar points in the neighbourhood
-  kOneRing,         // all on one laser line: no plane
-  kSmallTriangle,   // area gate
-  kSpread,          // depths differ by more than a surface can: foreground not separable
-  kGrazing,         // ray nearly inside the plane
-  kBehind,          // plane behind the camera (the trap of Eq. 2)
+  kNoPoints,       // too few lidar points in the neighbourhood
+  kOneRing,        // all on one laser line: no plane
+  kSmallTriangle,  // area gate
+  kSpread,         // depths differ by more than a surface can: foreground not separable
+  kGrazing,        // ray nearly inside the plane
+  kBehind,         // plane behind the camera (the trap of Eq. 2)
   kTooFar,
 };
 

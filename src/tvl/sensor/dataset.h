@@ -14,7 +14,7 @@ namespace tvl {
 
 // What is known of the sensors before the first frame.
 struct SensorSetup {
-  std::string name;      // of the data, for reports
+  std::string name;  // of the data, for reports
   Calibration calibration;
   LidarModel lidar;
   bool has_camera = false;

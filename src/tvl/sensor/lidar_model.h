@@ -17,9 +17,9 @@ struct LidarModel {
   std::string name = "none";
   // Elevation of each beam, topmost first. Empty: rings come with the points.
   std::vector<double> beam_elevation_rad;
-  int columns = 2048;                   // columns of the range image over 360 degrees
-  double sweep_s = 0.1;                 // time of a revolution; the stamp is its middle, facing +x
-  double range_sigma_m = 0.02;          // noise of a range
+  int columns = 2048;           // columns of the range image over 360 degrees
+  double sweep_s = 0.1;         // time of a revolution; the stamp is its middle, facing +x
+  double range_sigma_m = 0.02;  // noise of a range
   double min_range_m = 1.5, max_range_m = 120.0;
   // Added to the elevation of every point: the stored points lie too low (design: HDL-64E of
   // KITTI, 0.205 deg). Rotates about p x z.

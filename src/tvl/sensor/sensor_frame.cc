@@ -4,15 +4,24 @@ namespace tvl {
 
 const char* ToString(FrameFault::Kind kind) {
   switch (kind) {
-    case FrameFault::Kind::kMissingScan: return "missing_scan";
-    case FrameFault::Kind::kTruncatedScan: return "truncated_scan";
-    case FrameFault::Kind::kEmptyScan: return "empty_scan";
-    case FrameFault::Kind::kInvalidPoints: return "invalid_points";
-    case FrameFault::Kind::kMissingImage: return "missing_image";
-    case FrameFault::Kind::kUnreadableImage: return "unreadable_image";
-    case FrameFault::Kind::kBlackImage: return "black_image";
-    case FrameFault::Kind::kWrongSizeImage: return "wrong_size_image";
-    case FrameFault::Kind::kTimeNotIncreasing: return "time_not_increasing";
+    case FrameFault::Kind::kMissingScan:
+      return "missing_scan";
+    case FrameFault::Kind::kTruncatedScan:
+      return "truncated_scan";
+    case FrameFault::Kind::kEmptyScan:
+      return "empty_scan";
+    case FrameFault::Kind::kInvalidPoints:
+      return "invalid_points";
+    case FrameFault::Kind::kMissingImage:
+      return "missing_image";
+    case FrameFault::Kind::kUnreadableImage:
+      return "unreadable_image";
+    case FrameFault::Kind::kBlackImage:
+      return "black_image";
+    case FrameFault::Kind::kWrongSizeImage:
+      return "wrong_size_image";
+    case FrameFault::Kind::kTimeNotIncreasing:
+      return "time_not_increasing";
   }
   return "unknown";
 }

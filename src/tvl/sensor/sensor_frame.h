@@ -16,9 +16,9 @@ namespace tvl {
 struct FrameFault {
   enum class Kind {
     kMissingScan,
-    kTruncatedScan,   // fewer rings than the sensor has, or not a whole number of points
+    kTruncatedScan,  // fewer rings than the sensor has, or not a whole number of points
     kEmptyScan,
-    kInvalidPoints,   // NaN or infinite coordinates: dropped
+    kInvalidPoints,  // NaN or infinite coordinates: dropped
     kMissingImage,
     kUnreadableImage,
     kBlackImage,

@@ -1,0 +1,67 @@
+#include "tvl/registration/laser_terms.h"
+
+#include "tvl/geometry/robust.h"
+
+namespace tvl {
+namespace {
+
+constexpr size_t kChunk = 256;
+
+// Adds one whitened residual block; returns its robust weight times information.
+template <int N>
+double Accumulate(const Residual<N>& residual, double information, double kernel_sigmas,
+                  const Matrix6d* J_bin, NormalEquations* sum) {
+  const RobustValue robust = Cauchy(residual.r.squaredNorm() * information, kernel_sigmas);
+  const double weight = robust.weight * information;
+  const Eigen::Matrix<double, N, 6> J =
+      J_bin == nullptr ? residual.J : Eigen::Matrix<double, N, 6>(residual.J * *J_bin);
+  sum->H.template selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weight);
+  sum->b.noalias() += weight * J.transpose() * residual.r;
+  sum->cost += 0.5 * robust.rho;
+  return weight;
+}
+
+template <typename Match>
+LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t end,
+                        const SweepMotion& motion, double kernel_sigmas) {
+  LaserSum sum;
+  const bool one_bin = motion.bins.size() == 1;
+  for (size_t i = begin; i < end; ++i) {
+    const SweepMotion::Bin& bin = motion.bins[static_cast<size_t>(matches[i].bin)];
+    const auto residual = Evaluate(matches[i].factor, bin.R, bin.t);
+    const double weight = Accumulate(residual, matches[i].information, kernel_sigmas,
+                                     one_bin ? nullptr : &bin.J, &sum.normal);
+    if constexpr (std::is_same_v<Match, PlaneMatch>) {
+      sum.plane_sq_m2 += residual.r.squaredNorm();
+      sum.plane_information += weight;
+    } else {
+      sum.line_sq_m2 += residual.r.squaredNorm();
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+LaserSum& LaserSum::operator+=(const LaserSum& other) {
+  normal += other.normal;
+  plane_sq_m2 += other.plane_sq_m2;
+  line_sq_m2 += other.line_sq_m2;
+  plane_information += other.plane_information;
+  return *this;
+}
+
+LaserSum Linearize(const LaserMatches& matches, const Rigid3d& T, const SweepBins& bins,
+                   double kernel_sigmas, const Executor& executor) {
+  const SweepMotion motion(bins, T);
+  LaserSum sum = executor.Sum(matches.planes.size(), kChunk, LaserSum(), [&](size_t b, size_t e) {
+    return LinearizeRange(matches.planes, b, e, motion, kernel_sigmas);
+  });
+  sum += executor.Sum(matches.lines.size(), kChunk, LaserSum(), [&](size_t b, size_t e) {
+    return LinearizeRange(matches.lines, b, e, motion, kernel_sigmas);
+  });
+  sum.normal.H = Matrix6d(sum.normal.H.selfadjointView<Eigen::Lower>());
+  return sum;
+}
+
+}  // namespace tvl

@@ -1,0 +1,46 @@
+// Laser residuals with known correspondences, summed into normal equations (paper Eq. 5, 6, 8).
+#pragma once
+
+#include <vector>
+
+#include "tvl/base/parallel.h"
+#include "tvl/factors/point_to_line.h"
+#include "tvl/factors/point_to_plane.h"
+#include "tvl/optim/pose_solver.h"
+#include "tvl/registration/sweep.h"
+
+namespace tvl {
+
+struct PlaneMatch {
+  PointToPlane factor;
+  double information;  // 1 / sigma^2, 1/m^2
+  int bin = 0;         // of the sweep
+};
+
+struct LineMatch {
+  PointToLine factor;
+  double information;
+  int bin = 0;
+};
+
+struct LaserMatches {
+  std::vector<PlaneMatch> planes;
+  std::vector<LineMatch> lines;
+};
+
+// Normal equations and what the statistics of a run want to know.
+struct LaserSum {
+  NormalEquations normal;
+  double plane_sq_m2 = 0.0, line_sq_m2 = 0.0;  // sums of squared residuals
+  // Sum of the robust information of all planes: scales the information that noisy normals leak.
+  double plane_information = 0.0;
+
+  LaserSum& operator+=(const LaserSum& other);
+};
+
+// At motion T, with a Cauchy kernel of width `kernel_sigmas` on whitened residuals: outliers
+// (moving objects, wrong matches) are common among laser matches.
+LaserSum Linearize(const LaserMatches& matches, const Rigid3d& T, const SweepBins& bins,
+                   double kernel_sigmas, const Executor& executor);
+
+}  // namespace tvl
