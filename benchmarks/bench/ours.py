@@ -1,0 +1,45 @@
+"""Runs the program `tvl` and reads what it wrote."""
+
+import dataclasses
+import json
+import pathlib
+import subprocess
+
+import numpy as np
+
+from . import poses as se3
+
+DEFAULT_BINARY = pathlib.Path(__file__).resolve().parents[2] / "build/release/bin/tvl"
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    folder: pathlib.Path
+    T_world_lidar: np.ndarray
+    report: dict  # run.json
+
+
+def execute(binary, *arguments):
+    """Runs tvl; on failure raises with its last words."""
+    command = [str(binary), *map(str, arguments)]
+    result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                            check=False)
+    if result.returncode != 0:
+        words = "\n".join((result.stdout + result.stderr).splitlines()[-15:])
+        raise RuntimeError(f"{' '.join(command)}: exit code {result.returncode}\n{words}")
+    return result.stdout
+
+
+def run(binary, sequence, out, *options):
+    """tvl run; poses come back in the lidar frame of the first scan."""
+    execute(binary, "run", sequence, "--out", out, *options)
+    out = pathlib.Path(out)
+    T_world_cam0 = se3.read_poses(out / "trajectory_kitti.txt")
+    T_world_lidar = se3.to_lidar(T_world_cam0, se3.read_calibration(sequence))
+    return Run(out, T_world_lidar, json.loads((out / "run.json").read_text()))
+
+
+def stage_ms(report):
+    """stage -> {p50, p95, p99} of run.json, {} if it has none."""
+    stages = report.get("timing_ms", report.get("stages_ms", {}))
+    return {name: value for name, value in stages.items() if isinstance(value, dict)}
