@@ -1,0 +1,132 @@
+#include "tvl/io/velodyne_bin.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "tvl/io/atomic_file.h"
+
+namespace tvl {
+namespace {
+
+constexpr size_t kPointBytes = 4 * sizeof(float);
+constexpr float kMaxCoordinate_m = 1e4F;  // no lidar sees further: such bytes are garbage
+
+using Kind = FrameFault::Kind;
+
+std::optional<std::vector<char>> ReadBytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file.good()) return std::nullopt;
+  const std::streamoff size = file.tellg();
+  if (size < 0) return std::nullopt;
+  std::vector<char> bytes(static_cast<size_t>(size));
+  file.seekg(0);
+  file.read(bytes.data(), size);
+  if (file.gcount() != size) return std::nullopt;
+  return bytes;
+}
+
+// The usable points of whole records.
+LidarScan Decode(const std::vector<char>& bytes) {
+  const size_t n = bytes.size() / kPointBytes;
+  LidarScan scan;
+  scan.points.reserve(n);
+  scan.intensity.reserve(n);
+  for (size_t i = 0; i < n; ++i) {
+    std::array<float, 4> v;
+    std::memcpy(v.data(), bytes.data() + i * kPointBytes, kPointBytes);
+    const Eigen::Vector3f p(v[0], v[1], v[2]);
+    // Written so that NaN fails.
+    if (!(p.cwiseAbs().maxCoeff() < kMaxCoordinate_m) || !p.allFinite()) continue;
+    scan.points.push_back(p);
+    scan.intensity.push_back(std::isfinite(v[3]) ? v[3] : 0.0F);
+  }
+  return scan;
+}
+
+// What is missing of the scan, or empty.
+std::string Truncation(const LidarScan& scan, int rings, const ScanExpectation& expected) {
+  std::ostringstream out;
+  if (rings < expected.min_ring_share * expected.rings) {
+    out << "only " << rings << " rings of " << expected.rings << " (" << scan.size()
+        << " points): cut off, not stored ring after ring, or another sensor than the profile's";
+  } else if (static_cast<double>(scan.size()) <
+             expected.min_point_share * static_cast<double>(expected.typical_points)) {
+    out << "only " << scan.size() << " points, " << expected.typical_points
+        << " are typical here: cut off";
+  }
+  return out.str();
+}
+
+}  // namespace
+
+int CountAzimuthTurns(const std::vector<Eigen::Vector3f>& points) {
+  // Winding number about the z axis: signed crossings of the half plane y = 0, x > 0.
+  int turns = 0;
+  for (size_t i = 1; i < points.size(); ++i) {
+    const Eigen::Vector3f& a = points[i - 1];
+    const Eigen::Vector3f& b = points[i];
+    const bool a_left = a.y() >= 0.0F, b_left = b.y() >= 0.0F;
+    if (a_left == b_left) continue;
+    const float cross = a.x() * b.y() - a.y() * b.x();
+    if (!a_left && cross > 0.0F) ++turns;
+    if (a_left && cross < 0.0F) --turns;
+  }
+  return std::abs(turns);
+}
+
+ScanRead ReadVelodyneBin(const std::string& path, const ScanExpectation& expected) {
+  ScanRead read;
+  const auto bytes = ReadBytes(path);
+  if (!bytes) {
+    read.faults.push_back({Kind::kMissingScan, path + ": cannot be read"});
+    return read;
+  }
+  if (bytes->empty()) {
+    read.faults.push_back({Kind::kEmptyScan, path + ": no points"});
+    return read;
+  }
+  if (bytes->size() % kPointBytes != 0) {
+    read.faults.push_back({Kind::kTruncatedScan, path + ": " + std::to_string(bytes->size()) +
+                                                     " bytes, not a multiple of 16: cut off"});
+    return read;
+  }
+  LidarScan scan = Decode(*bytes);
+  const size_t dropped = bytes->size() / kPointBytes - scan.size();
+  if (dropped > 0) {
+    read.faults.push_back({Kind::kInvalidPoints, path + ": " + std::to_string(dropped) +
+                                                     " points are not finite and were dropped"});
+  }
+  if (scan.size() == 0) {
+    read.faults.push_back({Kind::kEmptyScan, path + ": no valid point"});
+    return read;
+  }
+  read.rings = CountAzimuthTurns(scan.points);
+  const std::string truncation = Truncation(scan, read.rings, expected);
+  if (!truncation.empty()) {
+    read.faults.push_back({Kind::kTruncatedScan, path + ": " + truncation});
+    return read;
+  }
+  read.scan = std::make_shared<const LidarScan>(std::move(scan));
+  return read;
+}
+
+void WriteVelodyneBin(const std::string& path, const LidarScan& scan) {
+  WriteAtomically(path, [&](std::ostream& out) {
+    std::vector<float> row(4 * scan.size());
+    for (size_t i = 0; i < scan.size(); ++i) {
+      const Eigen::Vector3f& p = scan.points[i];
+      const float intensity = scan.intensity.empty() ? 0.0F : scan.intensity[i];
+      const std::array<float, 4> v = {p.x(), p.y(), p.z(), intensity};
+      std::copy(v.begin(), v.end(), row.begin() + static_cast<std::ptrdiff_t>(4 * i));
+    }
+    out.write(reinterpret_cast<const char*>(row.data()),
+              static_cast<std::streamsize>(row.size() * sizeof(float)));
+  });
+}
+
+}  // namespace tvl
