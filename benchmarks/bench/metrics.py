@@ -52,8 +52,8 @@ def thickness(files, poses, correction_deg=0.0):
 
     Scans are moved to the world by `poses`; every 0.5 m voxel with at least 20 points from at least
     3 scans gets a plane by least squares; of those that are flat and not a line, the mean distance
-    of the points to their plane. A map with fewer planar voxels can look thinner than it is: the
-    count is reported beside it.
+    of the points to their plane. Voxels smeared beyond about 45 mm rms do not count as flat, so a map
+    with fewer planar voxels can look thinner than it is: the count is reported beside it.
     """
     points, frames, starts = _voxel_starts(*_accumulate(files, poses, correction_deg))
     counts = np.diff(np.append(starts, len(points)))
