@@ -1,0 +1,154 @@
+#include "tvl/lidar/feature_extraction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tvl/base/check.h"
+#include "tvl/base/units.h"
+#include "tvl/lidar/scan_geometry.h"
+#include "tvl/lidar/voxel_thinning.h"
+
+namespace tvl {
+namespace {
+
+// What can be picked from one subregion of a row; indices into the row.
+struct Candidates {
+  std::vector<int> edges, planes;
+};
+
+// Picks features of one row.
+class RowPicker {
+ public:
+  RowPicker(const SegmentedScan& scan, const LidarModel& model, const LaserFeatureOptions& options)
+      : scan_(scan), model_(model), options_(options) {}
+
+  // Points [begin, end) of the scan are the row. Appends to the features; less_flat not thinned.
+  void Pick(size_t begin, size_t end, LaserFeatures* features) {
+    begin_ = begin;
+    LoadRow(end);
+    const double column_rad = 2.0 * kPi / scan_.image.columns;
+    curvature_ = ComputeCurvature(row_, column_rad, options_.curvature, std::move(curvature_));
+    taken_as_edge_.assign(curvature_.size(), 0);
+    taken_as_plane_.assign(curvature_.size(), 0);
+    const float region_rad = static_cast<float>(2.0 * kPi / options_.subregions);
+    size_t i = 0;
+    for (int region = 0; region < options_.subregions; ++region) {
+      const bool last = region + 1 == options_.subregions;
+      const float region_end = static_cast<float>(region + 1) * region_rad;
+      candidates_.edges.clear(), candidates_.planes.clear();
+      for (; i < curvature_.size() && (last || row_.angle_rad[i] < region_end); ++i) Classify(i);
+      PickEdges(features);
+      PickPlanes(features);
+    }
+  }
+
+ private:
+  void LoadRow(size_t end) {
+    row_.range_m.clear(), row_.angle_rad.clear();
+    for (size_t i = begin_; i < end; ++i) {
+      const Eigen::Vector3f& p = scan_.points[i];
+      row_.range_m.push_back(p.norm());
+      row_.angle_rad.push_back(static_cast<float>(kPi) - FastAtan2(p.y(), p.x()));
+    }
+  }
+
+  void Classify(size_t i) {
+    const PointCurvature& point = curvature_[i];
+    const int32_t label = scan_.label[begin_ + i];
+    if (point.window == 0 || point.unreliable || label == kLabelOutlier) return;
+    if (point.c < EdgeThreshold(row_.range_m[i], model_, options_)) {
+      candidates_.planes.push_back(static_cast<int>(i));
+    } else if (label != kLabelGround) {
+      candidates_.edges.push_back(static_cast<int>(i));
+    }
+  }
+
+  LaserFeature Feature(int i) const {
+    const size_t p = begin_ + static_cast<size_t>(i);
+    return {scan_.points[p], scan_.time_offset_s[p], curvature_[static_cast<size_t>(i)].c,
+            scan_.intensity[p], scan_.ring[p]};
+  }
+
+  // Keeps later picks away from `i`; the ring is closed.
+  void Take(int i, std::vector<uint8_t>* taken) const {
+    const int n = static_cast<int>(taken->size());
+    const int reach = std::min<int>(curvature_[static_cast<size_t>(i)].window, n / 2);
+    for (int j = i - reach; j <= i + reach; ++j) (*taken)[static_cast<size_t>((j + n) % n)] = 1;
+  }
+
+  void PickEdges(LaserFeatures* features) {
+    std::vector<int>& edges = candidates_.edges;
+    std::sort(edges.begin(), edges.end(), [&](int a, int b) {
+      const float ca = curvature_[static_cast<size_t>(a)].c;
+      const float cb = curvature_[static_cast<size_t>(b)].c;
+      return ca != cb ? ca > cb : a < b;
+    });
+    int picked = 0;
+    for (const int i : edges) {
+      if (picked == options_.less_sharp_per_subregion) break;
+      if (taken_as_edge_[static_cast<size_t>(i)]) continue;
+      if (picked < options_.sharp_per_subregion) features->sharp.push_back(Feature(i));
+      features->less_sharp.push_back(Feature(i));
+      Take(i, &taken_as_edge_);
+      ++picked;
+    }
+  }
+
+  void PickPlanes(LaserFeatures* features) {
+    for (const int i : candidates_.planes) features->less_flat.push_back(Feature(i));
+    for (int picked = 0; picked < options_.flat_per_subregion; ++picked) {
+      int best = -1;
+      for (const int i : candidates_.planes) {
+        if (taken_as_plane_[static_cast<size_t>(i)]) continue;
+        if (best < 0 ||
+            curvature_[static_cast<size_t>(i)].c < curvature_[static_cast<size_t>(best)].c) {
+          best = i;
+        }
+      }
+      if (best < 0) break;
+      features->flat.push_back(Feature(best));
+      Take(best, &taken_as_plane_);
+    }
+  }
+
+  const SegmentedScan& scan_;
+  const LidarModel& model_;
+  const LaserFeatureOptions& options_;
+  size_t begin_ = 0;
+  RingPoints row_;
+  std::vector<PointCurvature> curvature_;
+  std::vector<uint8_t> taken_as_edge_, taken_as_plane_;
+  Candidates candidates_;
+};
+
+}  // namespace
+
+void LaserFeatureOptions::Check() const {
+  curvature.Check();
+  TVL_CHECK_INPUT(min_edge_curvature > 0.0) << "features.min_edge_curvature: must be positive";
+  TVL_CHECK_INPUT(edge_noise_sigmas >= 0.0) << "features.edge_noise_sigmas: must not be negative";
+  TVL_CHECK_INPUT(subregions >= 1) << "features.subregions: must be positive";
+  TVL_CHECK_INPUT(sharp_per_subregion >= 0) << "features.sharp_per_subregion: must not be negative";
+  TVL_CHECK_INPUT(less_sharp_per_subregion >= sharp_per_subregion)
+      << "features.less_sharp_per_subregion: must be at least sharp_per_subregion";
+  TVL_CHECK_INPUT(flat_per_subregion >= 0) << "features.flat_per_subregion: must not be negative";
+  TVL_CHECK_INPUT(less_flat_voxel_m > 0.0) << "features.less_flat_voxel_m: must be positive";
+}
+
+LaserFeatures ExtractLaserFeatures(const SegmentedScan& scan, const LidarModel& model,
+                                   const LaserFeatureOptions& options) {
+  TVL_CHECK(scan.label.size() == scan.size() && scan.ring.size() == scan.size());
+  LaserFeatures features;
+  RowPicker picker(scan, model, options);
+  for (size_t begin = 0; begin < scan.size();) {
+    size_t end = begin + 1;
+    while (end < scan.size() && scan.ring[end] == scan.ring[begin]) ++end;
+    picker.Pick(begin, end, &features);
+    begin = end;
+  }
+  features.less_flat = ThinByVoxel(features.less_flat, options.less_flat_voxel_m);
+  return features;
+}
+
+}  // namespace tvl

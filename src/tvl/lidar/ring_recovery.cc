@@ -1,0 +1,201 @@
+#include "tvl/lidar/ring_recovery.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tvl/base/check.h"
+#include "tvl/base/units.h"
+
+namespace tvl {
+namespace {
+
+constexpr float kTwoPi = static_cast<float>(2.0 * kPi);
+
+// +1 where azimuth rises with the stored order, -1 where it falls: the majority of the steps.
+float StorageSense(const ScanGeometry& geometry) {
+  int64_t balance = 0;
+  for (size_t i = 8; i < geometry.azimuth_rad.size(); i += 8) {  // a sample is enough
+    const float step = geometry.azimuth_rad[i] - geometry.azimuth_rad[i - 1];
+    if (std::abs(step) < 0.1f) balance += step > 0.0f ? 1 : (step < 0.0f ? -1 : 0);
+  }
+  return balance < 0 ? -1.0f : 1.0f;
+}
+
+// Turn number of each point, from 0, in `row`, and how many there are in `rings_found`.
+RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOptions& options,
+                          RingAssignment out) {
+  const float sense = StorageSense(geometry);
+  const float start = static_cast<float>(options.start_azimuth_rad);
+  const float tolerance = static_cast<float>(options.max_backstep_rad);
+  const float min_range_m = static_cast<float>(options.min_range_m);
+  int turn = 0;
+  float previous = 0.0f;
+  out.row.resize(geometry.range_m.size());
+  out.rings_found = 0;
+  for (size_t i = 0; i < out.row.size(); ++i) {
+    if (geometry.range_m[i] >= min_range_m) {
+      float phase = sense * (geometry.azimuth_rad[i] - start);  // [0, 2 pi) from the ring's start
+      if (phase < 0.0f) phase += kTwoPi;
+      const float step = phase - previous;
+      if (step < -tolerance) {
+        ++turn;
+      } else if (step > kTwoPi - tolerance && i > 0) {
+        --turn;  // trembling about the start: still the ring before
+      }
+      previous = phase;
+    }
+    out.row[i] = static_cast<uint16_t>(std::clamp(turn, 0, 65535));
+    out.rings_found = std::max(out.rings_found, turn + 1);
+  }
+  return out;
+}
+
+// Median elevation of each ring, from points beyond 8 m where there are enough: nearer ones show
+// the beams' different origins.
+std::vector<double> RingElevations(const LidarScan& scan, const ScanGeometry& geometry,
+                                   const std::vector<uint16_t>& ring, int rings) {
+  std::vector<std::vector<float>> far(static_cast<size_t>(rings)), all(far);
+  for (size_t i = 0; i < ring.size(); i += 3) {
+    if (geometry.range_m[i] < 0.5f) continue;
+    const float elevation = std::asin(scan.points[i].z() / geometry.range_m[i]);
+    all[ring[i]].push_back(elevation);
+    if (geometry.range_m[i] > 8.0f) far[ring[i]].push_back(elevation);
+  }
+  std::vector<double> median(static_cast<size_t>(rings), 0.0);
+  for (size_t r = 0; r < median.size(); ++r) {
+    std::vector<float>& v = far[r].size() >= 30 ? far[r] : all[r];
+    if (v.empty()) {
+      median[r] = r > 0 ? median[r - 1] : 0.0;
+      continue;
+    }
+    const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+    std::nth_element(v.begin(), middle, v.end());
+    median[r] = static_cast<double>(*middle);
+  }
+  return median;
+}
+
+struct PathResult {
+  double cost = std::numeric_limits<double>::infinity();
+  std::vector<int> row;
+};
+
+// Cheapest assignment for one offset: squared elevation differences, a penalty for two rings in
+// one row. Dynamic programming over (ring, row).
+PathResult AlignAtOffset(const std::vector<double>& ring, const std::vector<double>& beam,
+                         double offset_rad) {
+  constexpr double kSharedRowPenalty = 1e-3;  // rad^2: (1.8 deg)^2, more than any real mismatch
+  const size_t rings = ring.size(), rows = beam.size();
+  std::vector<double> cost(rows);
+  std::vector<int> from(rings * rows, -1);
+  for (size_t k = 0; k < rings; ++k) {
+    std::vector<double> next(rows);
+    double best = std::numeric_limits<double>::infinity();
+    int best_row = -1;
+    for (size_t r = 0; r < rows; ++r) {
+      const double d = ring[k] - offset_rad - beam[r];
+      double base = 0.0;
+      if (k > 0) {
+        const double shared = cost[r] + kSharedRowPenalty;
+        base = std::min(best, shared);
+        from[k * rows + r] = shared < best ? static_cast<int>(r) : best_row;
+        if (cost[r] < best) {
+          best = cost[r];
+          best_row = static_cast<int>(r);
+        }
+      }
+      next[r] = base + d * d;
+    }
+    cost.swap(next);
+  }
+  PathResult result;
+  const auto last = std::min_element(cost.begin(), cost.end());
+  result.cost = *last;
+  result.row.resize(rings);
+  int r = static_cast<int>(last - cost.begin());
+  for (size_t k = rings; k-- > 0;) {
+    result.row[k] = r;
+    r = from[k * rows + static_cast<size_t>(r)];
+  }
+  return result;
+}
+
+RingAssignment UseGivenRings(const LidarScan& scan, const LidarModel& model, RingAssignment out) {
+  out.source = RingSource::kGiven;
+  out.row.assign(scan.ring.begin(), scan.ring.end());
+  const uint16_t highest =
+      scan.ring.empty() ? uint16_t{0} : *std::max_element(scan.ring.begin(), scan.ring.end());
+  TVL_CHECK_INPUT(model.rows() == 0 || highest < model.rows())
+      << "scan: ring " << highest << ", but lidar '" << model.name << "' has " << model.rows()
+      << " beams";
+  out.rows = model.rows() > 0 ? model.rows() : highest + 1;
+  std::vector<uint8_t> seen(static_cast<size_t>(highest) + 1, 0);
+  for (const uint16_t r : scan.ring) seen[r] = 1;
+  out.rings_found = static_cast<int>(std::count(seen.begin(), seen.end(), uint8_t{1}));
+  return out;
+}
+
+void CheckStoredByRing(size_t points, int turns, const LidarModel& model) {
+  const size_t most = static_cast<size_t>(turns) * 2 * static_cast<size_t>(model.columns);
+  TVL_CHECK_INPUT(points <= most)
+      << "scan: " << points << " points make only " << turns
+      << " turns: not stored ring after ring, and no ring numbers are given";
+  TVL_CHECK_INPUT(model.rows() == 0 || turns <= 2 * model.rows())
+      << "scan: " << turns << " turns for the " << model.rows() << " beams of lidar '" << model.name
+      << "': not stored ring after ring, and no ring numbers are given";
+}
+
+}  // namespace
+
+void RingRecoveryOptions::Check() const {
+  TVL_CHECK_INPUT(std::abs(start_azimuth_rad) <= kPi)
+      << "rings.start_azimuth_rad: want -pi..pi, is " << start_azimuth_rad;
+  TVL_CHECK_INPUT(max_backstep_rad > 0.0 && max_backstep_rad < 1.0)
+      << "rings.max_backstep_rad: want 0..1, is " << max_backstep_rad;
+  TVL_CHECK_INPUT(min_range_m >= 0.0) << "rings.min_range_m: must not be negative";
+}
+
+RingAlignment AlignRingsToBeams(const std::vector<double>& ring_elevation_rad,
+                                const std::vector<double>& beam_elevation_rad) {
+  TVL_CHECK(!ring_elevation_rad.empty() && !beam_elevation_rad.empty());
+  const double rings = static_cast<double>(ring_elevation_rad.size());
+  RingAlignment best;
+  double best_score = std::numeric_limits<double>::infinity();
+  for (int step = -30; step <= 30; ++step) {
+    const double offset_rad = DegToRad(0.05 * step);
+    PathResult path = AlignAtOffset(ring_elevation_rad, beam_elevation_rad, offset_rad);
+    // Offsets are not free: among equal fits the smaller wins.
+    const double score = path.cost / rings + 1e-3 * offset_rad * offset_rad;
+    if (score >= best_score) continue;
+    best_score = score;
+    best.row = std::move(path.row);
+    best.offset_rad = offset_rad;
+    best.rms_rad = std::sqrt(path.cost / rings);
+  }
+  return best;
+}
+
+RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
+                            const LidarModel& model, const RingRecoveryOptions& options,
+                            RingAssignment reuse) {
+  TVL_CHECK(geometry.range_m.size() == scan.size());
+  TVL_CHECK(scan.ring.empty() || scan.ring.size() == scan.size());
+  if (!scan.ring.empty()) return UseGivenRings(scan, model, std::move(reuse));
+  RingAssignment out = CountTurns(geometry, options, std::move(reuse));
+  CheckStoredByRing(scan.size(), out.rings_found, model);
+  out.rows = model.rows() > 0 ? model.rows() : out.rings_found;
+  out.source = RingSource::kOneToOne;
+  out.elevation_offset_rad = out.elevation_rms_rad = 0.0;
+  if (out.rings_found == out.rows || scan.size() == 0) return out;
+  const RingAlignment alignment = AlignRingsToBeams(
+      RingElevations(scan, geometry, out.row, out.rings_found), model.beam_elevation_rad);
+  out.source = RingSource::kAligned;
+  out.elevation_offset_rad = alignment.offset_rad;
+  out.elevation_rms_rad = alignment.rms_rad;
+  for (uint16_t& r : out.row) r = static_cast<uint16_t>(alignment.row[r]);
+  return out;
+}
+
+}  // namespace tvl

@@ -1,0 +1,64 @@
+// Which ring each point of a scan belongs to (paper 4.2; formats such as KITTI's .bin do not say).
+//
+// Such scans are stored ring after ring, the topmost first; within a ring the azimuth goes round
+// once, starting straight ahead. A ring ends where the azimuth passes the start again. In 75 real
+// scans (KITTI odometry, KITTI raw, KITTI-360) all 64 rings are found so. Elevation alone cannot
+// tell rings apart: nearby points of one HDL-64 ring scatter by 0.5-1.5 deg, beams lie 0.33 deg
+// apart. It is only used, as a median over a ring, to find out which ring is missing.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tvl/lidar/scan_geometry.h"
+#include "tvl/sensor/lidar_model.h"
+#include "tvl/sensor/lidar_scan.h"
+
+namespace tvl {
+
+struct RingRecoveryOptions {
+  // Azimuth at which a stored ring starts; KITTI: straight ahead.
+  double start_azimuth_rad = 0.0;
+  // Steps against the sense of storage up to this size stay within the ring: compensation for
+  // motion moves nearby points back by up to 7 deg (KITTI odometry 00).
+  double max_backstep_rad = 0.2;
+  // Points nearer than this are the sensor's own "no return" entries: they say nothing.
+  double min_range_m = 0.1;
+
+  void Check() const;
+};
+
+enum class RingSource {
+  kGiven,     // LidarScan::ring
+  kOneToOne,  // as many rings found as the sensor has beams (or the beams are not known)
+  kAligned,   // another number: assigned to rows by elevation, in order
+};
+
+struct RingAssignment {
+  std::vector<uint16_t> row;  // one a point of the scan
+  int rows = 0;               // of the range image: beams of the model, else the highest row + 1
+  RingSource source = RingSource::kOneToOne;
+  // Evidence.
+  int rings_found = 0;                // distinct rings
+  double elevation_offset_rad = 0.0;  // kAligned: measured minus modelled elevation, common part
+  double elevation_rms_rad = 0.0;     // kAligned: what remains
+};
+
+// `geometry` belongs to `scan`. Throws InputError if a given ring lies outside the sensor's beams,
+// or if the points are plainly not stored ring after ring. `reuse` hands in memory.
+RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
+                            const LidarModel& model, const RingRecoveryOptions& options,
+                            RingAssignment reuse = {});
+
+// Rows, in rising order, that rings of the given elevations (topmost first) belong to, given the
+// beams' elevations. A common offset of up to 1.5 deg is allowed for; rows may stay empty; where
+// there are more rings than beams some share a row.
+struct RingAlignment {
+  std::vector<int> row;  // one a ring
+  double offset_rad = 0.0;
+  double rms_rad = 0.0;
+};
+RingAlignment AlignRingsToBeams(const std::vector<double>& ring_elevation_rad,
+                                const std::vector<double>& beam_elevation_rad);
+
+}  // namespace tvl
