@@ -57,7 +57,8 @@ void FeatureTrackerOptions::Check() const {
   TVL_CHECK_INPUT(max_features >= 1) << "max_features: must be at least 1, is " << max_features;
   TVL_CHECK_INPUT(refill_share >= 0.0 && refill_share <= 1.0)
       << "refill_share: must lie in 0..1, is " << refill_share;
-  TVL_CHECK_INPUT(min_tracked >= 0) << "min_tracked: must not be negative, is " << min_tracked;
+  TVL_CHECK_INPUT(min_kept_share >= 0.0 && min_kept_share <= 1.0)
+      << "min_kept_share: must lie in 0..1, is " << min_kept_share;
   image.Check();
   flow.Check();
   epipolar.Check();
@@ -112,7 +113,8 @@ FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& 
   }
   result = FilterEpipolar(std::move(result), rays_prev, options_.epipolar);
   result.status = TrackingStatus::kTracked;
-  if (static_cast<int>(result.tracks.size()) < options_.min_tracked) {
+  const double least = options_.min_kept_share * static_cast<double>(tracks_.size());
+  if (static_cast<double>(result.tracks.size()) < least || result.tracks.empty()) {
     result.status = TrackingStatus::kLost;
     result.tracks.clear();
   }

@@ -19,7 +19,9 @@ struct FeatureTrackerOptions {
   // New features are looked for when the kept ones fall under this share of max_features: detection
   // costs as much as the flow, and a few features more or less change nothing.
   double refill_share = 0.8;
-  int min_tracked = 10;  // with fewer the tracks are given up (status kLost)
+  // When a smaller share of the previous features is kept, all are given up (status kLost): of an
+  // unrelated image a few per cent pass the checks by chance.
+  double min_kept_share = 0.1;
   ImagePreparationOptions image;
   OpticalFlowOptions flow;
   EpipolarFilterOptions epipolar;
