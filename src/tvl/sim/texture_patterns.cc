@@ -6,7 +6,7 @@
 #include "tvl/base/rng.h"
 #include "tvl/base/units.h"
 
-namespace tvl {
+namespace tvl::sim {
 namespace {
 
 constexpr int kMask = kPatternSize - 1;
@@ -261,7 +261,7 @@ cv::Mat PaintPlaster(uint64_t seed) {
 cv::Mat PaintLeaves(uint64_t seed) {
   Rng rng(seed, 4);
   cv::Mat canvas = Canvas(0.02F);
-  constexpr int kLeaves = 9000;
+  constexpr int kLeaves = 20000;
   for (int i = 0; i < kLeaves; ++i) {
     const double depth = static_cast<double>(i) / kLeaves;  // 1: outermost, in the light
     const double length = rng.Uniform(5.0, 11.0);
@@ -333,4 +333,4 @@ cv::Mat PaintTunnelLining(uint64_t seed) {
   return canvas;
 }
 
-}  // namespace tvl
+}  // namespace tvl::sim

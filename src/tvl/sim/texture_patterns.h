@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-namespace tvl {
+namespace tvl::sim {
 
 inline constexpr int kPatternSize = 1024;
 inline constexpr float kPatternPeriod_m = 5.04F;  // 4.9 mm a texel; 21 bricks of 0.24 m
@@ -32,4 +32,4 @@ cv::Mat PaintRoofTiles(uint64_t seed);
 // lining rich in corners.
 cv::Mat PaintTunnelLining(uint64_t seed);
 
-}  // namespace tvl
+}  // namespace tvl::sim

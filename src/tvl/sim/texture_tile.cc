@@ -6,7 +6,7 @@
 
 #include "tvl/base/check.h"
 
-namespace tvl {
+namespace tvl::sim {
 namespace {
 
 // log2 to within 0.01, for x > 0: exponent bits plus a parabola through the mantissa.
@@ -113,4 +113,4 @@ float TextureTile::SampleScaled(const TextureFootprint& at, float scale_u, float
   return sum / n;
 }
 
-}  // namespace tvl
+}  // namespace tvl::sim

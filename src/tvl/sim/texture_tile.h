@@ -6,7 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace tvl {
+namespace tvl::sim {
 
 // Where a pixel meets a textured surface, in that surface's own coordinates.
 struct TextureFootprint {
@@ -48,4 +48,4 @@ class TextureTile {
   std::vector<uint8_t> texels_;
 };
 
-}  // namespace tvl
+}  // namespace tvl::sim
