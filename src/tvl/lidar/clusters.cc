@@ -1,5 +1,6 @@
 #include "tvl/lidar/clusters.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -57,10 +58,44 @@ class LinkTest {
   float cos_sq_, noise_m_;
 };
 
+// The test for surfaces seen at a slant: four consecutive points of a ring on a line.
+class LineTest {
+ public:
+  LineTest(const SegmentedScan& scan, const ClusterOptions& options)
+      : scan_(scan),
+        cos_sq_(static_cast<float>(std::pow(std::cos(options.min_line_angle_rad), 2))),
+        tolerance_m_(static_cast<float>(options.line_tolerance_m)),
+        share_(static_cast<float>(options.line_tolerance_share)) {}
+
+  // Points a and b = a + 1 of one ring.
+  bool operator()(size_t a, float range_m) const {
+    const size_t b = a + 1;
+    if (a == 0 || b + 1 >= scan_.size()) return false;
+    if (scan_.ring[a - 1] != scan_.ring[a] || scan_.ring[b + 1] != scan_.ring[a]) return false;
+    const Eigen::Vector3f& pa = scan_.points[a];
+    const Eigen::Vector3f& before = scan_.points[a - 1];
+    const Eigen::Vector3f chord = scan_.points[b + 1] - before;
+    const float length_sq = chord.squaredNorm();
+    const float tolerance_m = tolerance_m_ + share_ * range_m;
+    if (length_sq > 0.01f * range_m * range_m) return false;  // too far apart to be neighbours
+    const Eigen::Vector3f ab = scan_.points[b] - pa;
+    const float depth = pa.dot(ab);
+    if (depth * depth > cos_sq_ * pa.squaredNorm() * ab.squaredNorm()) return false;
+    const float limit = tolerance_m * tolerance_m * length_sq;
+    return chord.dot(ab) > 0.0f && chord.cross(pa - before).squaredNorm() < limit &&
+           chord.cross(scan_.points[b] - before).squaredNorm() < limit;
+  }
+
+ private:
+  const SegmentedScan& scan_;
+  float cos_sq_, tolerance_m_, share_;
+};
+
 DisjointSets LinkNeighbours(const SegmentedScan& scan, const std::vector<uint8_t>& is_ground,
                             const ClusterOptions& options) {
   const RangeImage& image = scan.image;
   const LinkTest linked(options);
+  const LineTest on_line(scan, options);
   DisjointSets sets(scan.size());
   const int reach = options.max_bridged_cells + 1;
   // Links cell `from` to the nearest occupied cell in one direction, if that is no ground.
@@ -68,8 +103,9 @@ DisjointSets LinkNeighbours(const SegmentedScan& scan, const std::vector<uint8_t
     const int32_t other = image.point[to];
     if (other == RangeImage::kNoPoint) return false;
     const size_t o = static_cast<size_t>(other), p = static_cast<size_t>(point);
-    if (!is_ground[o] &&
-        linked(scan.points[p], image.range_m[from], scan.points[o], image.range_m[to])) {
+    if (is_ground[o]) return true;
+    if (linked(scan.points[p], image.range_m[from], scan.points[o], image.range_m[to]) ||
+        (o == p + 1 && on_line(p, image.range_m[from]))) {
       sets.Join(point, other);
     }
     return true;
@@ -99,6 +135,11 @@ struct ClusterSize {
 void ClusterOptions::Check() const {
   TVL_CHECK_INPUT(min_angle_rad > 0.0 && min_angle_rad < 1.57)
       << "clusters.min_angle_deg: want 0..90, is " << min_angle_rad << " rad";
+  TVL_CHECK_INPUT(min_line_angle_rad > 0.0 && min_line_angle_rad < 1.57)
+      << "clusters.min_line_angle_deg: want 0..90, is " << min_line_angle_rad << " rad";
+  TVL_CHECK_INPUT(line_tolerance_m >= 0.0) << "clusters.line_tolerance_m: must not be negative";
+  TVL_CHECK_INPUT(line_tolerance_share >= 0.0)
+      << "clusters.line_tolerance_share: must not be negative";
   TVL_CHECK_INPUT(range_noise_m >= 0.0) << "clusters.range_noise_m: must not be negative";
   TVL_CHECK_INPUT(max_bridged_cells >= 0 && max_bridged_cells <= 8)
       << "clusters.max_bridged_cells: want 0..8, is " << max_bridged_cells;

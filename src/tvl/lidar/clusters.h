@@ -15,6 +15,13 @@ struct ClusterOptions {
   // Neighbours whose ranges differ by less than this always do: noise is no gap. At 10 m rays lie
   // 3 cm apart, where 60 deg would cut at 1.8 cm, the noise of one range.
   double range_noise_m = 0.08;
+  // Surfaces seen at a slant, as the walls along a street, never pass the angle at 20 m and more.
+  // Neighbours in a ring also belong together if they lie on a straight line with the points before
+  // and after them, within the tolerance (plus a share of the range, the noise of the azimuth), and
+  // the line and the ray enclose more than this.
+  double min_line_angle_rad = 0.105;  // 6 deg
+  double line_tolerance_m = 0.02;
+  double line_tolerance_share = 0.001;
   // Empty cells a link may bridge, in each direction.
   int max_bridged_cells = 1;
   // Kept are clusters with as many points, or with as many rows and points.
