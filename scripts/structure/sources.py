@@ -5,7 +5,7 @@ import re
 import subprocess
 
 CPP_ROOTS = ("src", "tests", "examples")
-TEST_NAME = re.compile(r"(_test|_matchers|_testing|test_util)\.(h|cc)$")
+TEST_NAME = re.compile(r"(_test|_matchers|_testing|/test_\w+|/temp_folder)\.(h|cc)$")
 
 
 def list_files(root):
