@@ -9,7 +9,7 @@ import numpy as np
 
 from . import poses as se3
 
-DEFAULT_BINARY = pathlib.Path(__file__).resolve().parents[2] / "build/release/bin/tvl"
+DEFAULT_BINARY = pathlib.Path(__file__).resolve().parents[2] / "build/release/tvl"
 
 
 @dataclasses.dataclass(frozen=True)
