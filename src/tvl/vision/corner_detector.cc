@@ -79,32 +79,112 @@ class Shares {
   int share_;
 };
 
-// Local maxima of the smaller eigenvalue above the quality threshold, strongest first.
-std::vector<Candidate> FindCandidates(const cv::Mat& strength, double quality) {
+// Strength of a corner at every pixel: the smaller eigenvalue of the 3x3 sum of gradient products
+// (Shi-Tomasi), up to a constant factor; 0 along the image's edge. Same as OpenCV's
+// cornerMinEigenVal, but from gradients that are there already, and in less time.
+class StrengthMap {
+ public:
+  explicit StrengthMap(const cv::Mat& gradient)
+      : columns_(static_cast<size_t>(gradient.cols)), map_(gradient.rows, gradient.cols, CV_32F) {
+    map_.row(0).setTo(0.0f);
+    map_.row(gradient.rows - 1).setTo(0.0f);
+    Products above = RowProducts(gradient, 0), here = RowProducts(gradient, 1);
+    for (int y = 1; y + 1 < gradient.rows; ++y) {
+      const Products below = RowProducts(gradient, y + 1);
+      FillRow(Sum(above, here, below), map_.ptr<float>(y));
+      above = std::move(here);
+      here = below;
+    }
+  }
+  const cv::Mat& map() const { return map_; }
+
+ private:
+  struct Products {
+    std::vector<float> xx, xy, yy;
+  };
+
+  Products RowProducts(const cv::Mat& gradient, int y) const {
+    const int16_t* g = gradient.ptr<int16_t>(y);
+    Products p{std::vector<float>(columns_), std::vector<float>(columns_),
+               std::vector<float>(columns_)};
+    for (size_t x = 0; x < columns_; ++x) {
+      const float dx = g[2 * x], dy = g[2 * x + 1];
+      p.xx[x] = dx * dx;
+      p.xy[x] = dx * dy;
+      p.yy[x] = dy * dy;
+    }
+    return p;
+  }
+
+  static std::vector<float> Sum(const std::vector<float>& a, const std::vector<float>& b,
+                                const std::vector<float>& c) {
+    std::vector<float> sum(a.size());
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] = a[i] + b[i] + c[i];
+    return sum;
+  }
+
+  static Products Sum(const Products& a, const Products& b, const Products& c) {
+    return {Sum(a.xx, b.xx, c.xx), Sum(a.xy, b.xy, c.xy), Sum(a.yy, b.yy, c.yy)};
+  }
+
+  void FillRow(const Products& p, float* strength) const {
+    strength[0] = strength[columns_ - 1] = 0.0f;
+    for (size_t x = 1; x + 1 < columns_; ++x) {
+      const float xx = p.xx[x - 1] + p.xx[x] + p.xx[x + 1];
+      const float xy = p.xy[x - 1] + p.xy[x] + p.xy[x + 1];
+      const float yy = p.yy[x - 1] + p.yy[x] + p.yy[x + 1];
+      const float half_difference = 0.5f * (xx - yy);
+      strength[x] = 0.5f * (xx + yy) - std::sqrt(half_difference * half_difference + xy * xy);
+    }
+  }
+
+  size_t columns_;
+  cv::Mat map_;
+};
+
+// The strongest pixel of a block of the map.
+Candidate StrongestIn(const cv::Mat& strength, const cv::Rect& block) {
+  Candidate best{-1.0f, 0, 0};
+  for (int y = block.y; y < block.y + block.height; ++y) {
+    const float* row = strength.ptr<float>(y);
+    for (int x = block.x; x < block.x + block.width; ++x) {
+      if (row[x] > best.strength) best = {row[x], x, y};
+    }
+  }
+  return best;
+}
+
+// No neighbour is stronger; it may lie in the block next door.
+bool IsLocalMaximum(const cv::Mat& strength, const Candidate& c) {
+  for (int y = c.y - 1; y <= c.y + 1; ++y) {
+    for (int x = c.x - 1; x <= c.x + 1; ++x) {
+      if (strength.at<float>(y, x) > c.strength) return false;
+    }
+  }
+  return true;
+}
+
+// Local maxima above the quality threshold, one a block at most, strongest first.
+std::vector<Candidate> FindCandidates(const cv::Mat& strength, int block_px, double quality) {
   const cv::Rect inside(kBorder_px, kBorder_px, strength.cols - 2 * kBorder_px,
                         strength.rows - 2 * kBorder_px);
-  double strongest = 0.0;
-  cv::minMaxLoc(strength(inside), nullptr, &strongest);
-  const float threshold = static_cast<float>(quality * strongest);
   std::vector<Candidate> candidates;
-  if (!(threshold > 0.0f)) return candidates;
-  for (int y = inside.y; y < inside.y + inside.height; ++y) {
-    const float* above = strength.ptr<float>(y - 1);
-    const float* row = strength.ptr<float>(y);
-    const float* below = strength.ptr<float>(y + 1);
-    for (int x = inside.x; x < inside.x + inside.width; ++x) {
-      const float s = row[x];
-      // Strict on one side only: a plateau yields one corner.
-      if (s < threshold || s <= row[x - 1] || s < row[x + 1]) continue;
-      if (s <= above[x - 1] || s <= above[x] || s <= above[x + 1]) continue;
-      if (s < below[x - 1] || s < below[x] || s < below[x + 1]) continue;
-      candidates.push_back({s, x, y});
+  for (int y = inside.y; y < inside.br().y; y += block_px) {
+    for (int x = inside.x; x < inside.br().x; x += block_px) {
+      const Candidate c = StrongestIn(strength, cv::Rect(x, y, block_px, block_px) & inside);
+      if (c.strength > 0.0f && IsLocalMaximum(strength, c)) candidates.push_back(c);
     }
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     if (a.strength != b.strength) return a.strength > b.strength;
     return a.y != b.y ? a.y < b.y : a.x < b.x;
   });
+  const auto is_strong = [&](const Candidate& c) {
+    return static_cast<double>(c.strength) >=
+           quality * static_cast<double>(candidates.front().strength);
+  };
+  candidates.erase(std::partition_point(candidates.begin(), candidates.end(), is_strong),
+                   candidates.end());
   return candidates;
 }
 
@@ -134,17 +214,17 @@ void CornerDetectorOptions::Check() const {
       << "cell_px: must be at least min_distance_px, is " << cell_px;
 }
 
-std::vector<cv::Point2f> DetectCorners(const cv::Mat& grey,
+std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient,
                                        const std::vector<cv::Point2f>& occupied_px, int count,
                                        const CornerDetectorOptions& options) {
   std::vector<cv::Point2f> corners;
-  if (count <= 0 || std::min(grey.cols, grey.rows) <= 2 * kBorder_px) return corners;
-  cv::Mat strength;
-  cv::cornerMinEigenVal(grey, strength, 3, 3);
-  const std::vector<Candidate> candidates = FindCandidates(strength, options.quality);
+  if (count <= 0 || std::min(gradient.cols, gradient.rows) <= 2 * kBorder_px) return corners;
+  const cv::Mat strength = StrengthMap(gradient).map();
+  const int block_px = std::max(3, static_cast<int>(0.4 * options.min_distance_px));
+  const std::vector<Candidate> candidates = FindCandidates(strength, block_px, options.quality);
 
-  Spacing spacing(grey.size(), options.min_distance_px);
-  Shares shares(grey.size(), options.cell_px, count + static_cast<int>(occupied_px.size()));
+  Spacing spacing(gradient.size(), options.min_distance_px);
+  Shares shares(gradient.size(), options.cell_px, count + static_cast<int>(occupied_px.size()));
   for (const cv::Point2f& px : occupied_px) {
     spacing.Add(px);
     shares.Add(px);

@@ -18,9 +18,10 @@ struct CornerDetectorOptions {
   void Check() const;  // throws InputError naming the field
 };
 
-// At most `count` corners of `grey` (8 bit), each at least the minimum distance from the others and
-// from `occupied_px`; sub-pixel positions. Deterministic.
-std::vector<cv::Point2f> DetectCorners(const cv::Mat& grey,
+// At most `count` corners, each at least the minimum distance from the others and from
+// `occupied_px`; sub-pixel positions. `gradient` holds dx, dy of each pixel (16-bit signed, two
+// channels): ImagePyramid::gradient(), there for the optical flow. Deterministic.
+std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient,
                                        const std::vector<cv::Point2f>& occupied_px, int count,
                                        const CornerDetectorOptions& options);
 

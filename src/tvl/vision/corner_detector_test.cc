@@ -2,15 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include "tvl/vision/optical_flow.h"
 #include "tvl/vision/synthetic_texture.h"
 
 namespace tvl {
 namespace {
 
+std::vector<cv::Point2f> Detect(const cv::Mat& image, const std::vector<cv::Point2f>& occupied_px,
+                                int count, const CornerDetectorOptions& options) {
+  return DetectCorners(ImagePyramid(image, {}).gradient(), occupied_px, count, options);
+}
+
 TEST(CornerDetector, FindsTheCornersOfASquare) {
   cv::Mat image(200, 300, CV_8U, cv::Scalar(60));
   cv::rectangle(image, cv::Rect(100, 60, 80, 70), cv::Scalar(200), cv::FILLED);
-  const auto corners = DetectCorners(image, {}, 10, {});
+  const auto corners = Detect(image, {}, 10, {});
   ASSERT_EQ(corners.size(), 4u);
   for (const cv::Point2f& c : corners) {
     EXPECT_LT(std::min(std::abs(c.x - 99.5f), std::abs(c.x - 179.5f)), 1.5f);
@@ -21,8 +27,8 @@ TEST(CornerDetector, FindsTheCornersOfASquare) {
 TEST(CornerDetector, KeepsDistanceFromEachOtherAndFromWhatIsThere) {
   const CornerDetectorOptions options;
   const cv::Mat image = MakeTexture({640, 320}, 11);
-  std::vector<cv::Point2f> all = DetectCorners(image, {}, 100, options);
-  const auto more = DetectCorners(image, all, 60, options);
+  std::vector<cv::Point2f> all = Detect(image, {}, 100, options);
+  const auto more = Detect(image, all, 60, options);
   EXPECT_EQ(all.size(), 100u);
   EXPECT_GT(more.size(), 40u);
   all.insert(all.end(), more.begin(), more.end());
@@ -41,7 +47,7 @@ TEST(CornerDetector, SpreadsOverTheImage) {
   CornerDetectorOptions options;
   const auto count_right = [&] {
     int n = 0;
-    for (const cv::Point2f& c : DetectCorners(image, {}, 120, options)) n += c.x > 405.0f;
+    for (const cv::Point2f& c : Detect(image, {}, 120, options)) n += c.x > 405.0f;
     return n;
   };
   EXPECT_GT(count_right(), 40);
@@ -50,9 +56,9 @@ TEST(CornerDetector, SpreadsOverTheImage) {
 }
 
 TEST(CornerDetector, NothingInAUniformOrTinyImage) {
-  EXPECT_TRUE(DetectCorners(cv::Mat(100, 100, CV_8U, cv::Scalar(90)), {}, 50, {}).empty());
-  EXPECT_TRUE(DetectCorners(cv::Mat(5, 5, CV_8U, cv::Scalar(90)), {}, 50, {}).empty());
-  EXPECT_TRUE(DetectCorners(MakeTexture({100, 100}, 1), {}, 0, {}).empty());
+  EXPECT_TRUE(Detect(cv::Mat(100, 100, CV_8U, cv::Scalar(90)), {}, 50, {}).empty());
+  EXPECT_TRUE(Detect(cv::Mat(5, 5, CV_8U, cv::Scalar(90)), {}, 50, {}).empty());
+  EXPECT_TRUE(Detect(MakeTexture({100, 100}, 1), {}, 0, {}).empty());
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ class ImagePyramid {
   bool empty() const { return grey_.empty(); }
   cv::Size size() const { return grey_.size(); }
   const cv::Mat& grey() const { return grey_; }                   // 8 bit
+  const cv::Mat& gradient() const { return levels_[1]; }          // Scharr dx, dy; 16-bit signed
   const std::vector<cv::Mat>& levels() const { return levels_; }  // as OpenCV's LK wants them
 
  private:
