@@ -101,8 +101,9 @@ SurfacePoint Tracer::Footprint(const SceneHit& hit, const Eigen::Vector3f& direc
 Traced Tracer::Shade(const SceneHit& hit, const Eigen::Vector3f& direction, bool sunlit) const {
   if (!hit.hit) return {lighting_.Sky(direction, textures_), 0.0F, 0};
   const float albedo = textures_.Albedo(Footprint(hit, direction));
+  const bool outline_of_light = sunlit && hit.material != Material::kFoliage;
   const uint32_t surface = (hit.object * 64U + static_cast<uint32_t>(hit.material)) * 2U +
-                           static_cast<uint32_t>(sunlit) + 1U;
+                           static_cast<uint32_t>(outline_of_light) + 1U;
   return {lighting_.Surface(hit, direction, albedo, sunlit), hit.range_m, surface};
 }
 

@@ -153,7 +153,7 @@ float TownTextures::Albedo(const SurfacePoint& at) const {
 // Rectangular repairs of another tone and manhole covers lie in cells of 7 m.
 float TownTextures::Asphalt(const SurfacePoint& at) const {
   const TextureFootprint f = OnSurface(at);
-  float base = Modulate(0.25F, noise_.Sample(f.u_m / 9.0F, f.v_m / 9.0F, Extent(f) / 9.0F), 0.35F);
+  float base = Modulate(0.25F, noise_.Sample(f.u_m / 9.0F, f.v_m / 9.0F, Extent(f) / 9.0F), 0.2F);
   constexpr float kCell_m = 7.0F;
   const int cx = Cell(f.u_m, kCell_m);
   const int cy = Cell(f.v_m, kCell_m);
@@ -321,11 +321,16 @@ float TownTextures::Clothing(const SurfacePoint& at) const {
   return Modulate(tone, noise_.SampleScaled(f, 2.0F, 2.0F), 1.0F);
 }
 
+// Panels of one period each show another part of the lining, so that no sign comes twice in sight.
 float TownTextures::TunnelWall(const SurfacePoint& at) const {
-  const TextureFootprint f = OnSurface(at);
+  TextureFootprint f = OnSurface(at);
+  const int panel = Cell(f.u_m, kPatternPeriod_m);
+  const float joint = Bars(f.u_m + 0.02F, kPatternPeriod_m, 0.04F, std::abs(f.major_u_m));
+  Shift(f, OfCell(panel, 0, 1), OfCell(panel, 0, 2));
   const float fine = lining_.Sample(f);
   const float coarse = lining_.SampleScaled(f, 0.23F, 0.23F);
-  return std::clamp(0.05F + 0.75F * fine * (0.35F + 1.1F * coarse), 0.02F, 0.9F);
+  const float albedo = 0.05F + 0.75F * fine * (0.35F + 1.1F * coarse);
+  return std::clamp(albedo * (1.0F - 0.7F * joint), 0.02F, 0.9F);
 }
 
 }  // namespace tvl::sim

@@ -206,7 +206,7 @@ cv::Mat PaintNoise(uint64_t seed, double roughness) {
 cv::Mat PaintAsphalt(uint64_t seed) {
   Rng rng(seed, 1);
   cv::Mat canvas = Canvas(0.5F);
-  AddNoise(canvas, seed, -0.1, 0.10);
+  AddNoise(canvas, seed, -0.25, 0.10);
   for (int i = 0; i < 9000; ++i) {  // chippings
     Ellipse spot = RandomSpot(rng, 1.0, 3.0);
     spot.tone = rng.Uniform() < 0.5 ? 0.25F : 0.85F;

@@ -81,17 +81,24 @@ float TextureTile::Bilinear(const Level& level, float u_m, float v_m) const {
   return (top + fy * (c + fx * (d - c) - top)) * (1.0F / 255.0F);
 }
 
-float TextureTile::Sample(float u_m, float v_m, float footprint_m) const {
+TextureTile::Blend TextureTile::BlendFor(float footprint_m) const {
   const float ratio = footprint_m * levels_[0].texels_per_m;
-  if (ratio <= 1.0F) return Bilinear(levels_[0], u_m, v_m);
+  if (ratio <= 1.0F) return {levels_.data(), levels_.data(), 0.0F};
   const float lod = FastLog2(ratio);
-  const auto last = static_cast<int>(levels_.size()) - 1;
-  const int fine = static_cast<int>(lod);
-  if (fine >= last) return Bilinear(levels_[static_cast<size_t>(last)], u_m, v_m);
-  const auto level = static_cast<size_t>(fine);
-  const float share = lod - static_cast<float>(fine);
-  const float a = Bilinear(levels_[level], u_m, v_m);
-  return a + share * (Bilinear(levels_[level + 1], u_m, v_m) - a);
+  const auto fine = static_cast<size_t>(lod);
+  if (fine + 1 >= levels_.size()) return {&levels_.back(), &levels_.back(), 0.0F};
+  return {&levels_[fine], &levels_[fine + 1], lod - static_cast<float>(fine)};
+}
+
+float TextureTile::Sample(const Blend& blend, float u_m, float v_m) const {
+  // A twentieth of a level more or less cannot be seen and saves a lookup.
+  if (blend.share < 0.05F) return Bilinear(*blend.fine, u_m, v_m);
+  const float a = Bilinear(*blend.fine, u_m, v_m);
+  return a + blend.share * (Bilinear(*blend.coarse, u_m, v_m) - a);
+}
+
+float TextureTile::Sample(float u_m, float v_m, float footprint_m) const {
+  return Sample(BlendFor(footprint_m), u_m, v_m);
 }
 
 float TextureTile::Sample(const TextureFootprint& at) const { return SampleScaled(at, 1.0F, 1.0F); }
@@ -104,11 +111,11 @@ float TextureTile::SampleScaled(const TextureFootprint& at, float scale_u, float
       std::max(at.minor_m * std::min(std::abs(scale_u), std::abs(scale_v)), texel_m());
   const int taps = std::clamp(static_cast<int>(major / minor + 0.5F), 1, kMaxTaps);
   const auto n = static_cast<float>(taps);
-  const float side = std::max(minor, major / n);
+  const Blend blend = BlendFor(std::max(minor, major / n));
   float sum = 0.0F;
   for (int i = 0; i < taps; ++i) {
     const float along = (static_cast<float>(i) + 0.5F) / n - 0.5F;
-    sum += Sample(at.u_m * scale_u + along * du, at.v_m * scale_v + along * dv, side);
+    sum += Sample(blend, at.u_m * scale_u + along * du, at.v_m * scale_v + along * dv);
   }
   return sum / n;
 }

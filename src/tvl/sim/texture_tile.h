@@ -40,7 +40,14 @@ class TextureTile {
     uint32_t offset, mask, shift;  // texel (x, y) is at offset + (y << shift) + x
     float texels_per_m;
   };
+  // Two neighbouring levels and the share of the coarser that fit a footprint.
+  struct Blend {
+    const Level *fine, *coarse;
+    float share;
+  };
+  Blend BlendFor(float footprint_m) const;
   float Bilinear(const Level& level, float u_m, float v_m) const;
+  float Sample(const Blend& blend, float u_m, float v_m) const;
 
   float period_m_;
   int size_;
