@@ -131,6 +131,20 @@ TEST_F(CameraRendererTest, HousesThrowShadows) {
   EXPECT_EQ(cv::countNonZero(lit - bare > 30), 0);
 }
 
+TEST_F(CameraRendererTest, FurtherRaysSmoothOutlines) {
+  CameraRenderOptions options;
+  options.film.read_noise_grey = options.film.photon_noise_grey = 0.0;
+  options.film.exposure_strength = 0.0;
+  std::vector<cv::Mat> images;
+  for (const int samples : {0, 2, 16}) {
+    options.edge_samples = samples;
+    images.push_back(CameraRenderer(scene_, SmallCamera(), options)
+                         .Render({Pose(0, 0, 0.1), 0.0, 0, false}, Executor(2)));
+  }
+  const double bare = cv::norm(images[0], images[2], cv::NORM_L2);
+  EXPECT_LT(cv::norm(images[1], images[2], cv::NORM_L2), 0.7 * bare);
+}
+
 // Points seen in one picture and projected into the next lie where tracking finds them.
 TEST_F(CameraRendererTest, TexturesAreStuckToTheGeometry) {
   const Rigid3d T_world_a = Pose(0, 0, 0);

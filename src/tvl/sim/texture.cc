@@ -9,6 +9,19 @@
 namespace tvl::sim {
 namespace {
 
+int Cell(float x, float size) {
+  const float cell = x / size;
+  const int i = static_cast<int>(cell);
+  return i - static_cast<int>(cell < static_cast<float>(i));
+}
+
+// Far from the origin a trace of noise in the normal would move a texture along the wall: places
+// are taken relative to the nearest node of a coarse grid. Houses and cars lie around node 0.
+float Local(float x) {
+  constexpr float kNodes_m = 8.0F * kPatternPeriod_m;
+  return x - kNodes_m * static_cast<float>(Cell(x + 0.5F * kNodes_m, kNodes_m));
+}
+
 // Coordinates on a surface from its normal: x, y on flat ground; along and up on walls and roofs.
 TextureFootprint OnSurface(const SurfacePoint& at) {
   const Eigen::Vector3f& n = at.normal_object;
@@ -19,8 +32,8 @@ TextureFootprint OnSurface(const SurfacePoint& at) {
   const float h = std::sqrt(n.x() * n.x() + n.y() * n.y());
   const float tx = -n.y() / h;
   const float ty = n.x() / h;
-  return {tx * p.x() + ty * p.y(), p.z() / h, tx * at.major_m.x() + ty * at.major_m.y(),
-          at.major_m.z() / h, at.minor_m};
+  return {tx * Local(p.x()) + ty * Local(p.y()), Local(p.z()) / h,
+          tx * at.major_m.x() + ty * at.major_m.y(), at.major_m.z() / h, at.minor_m};
 }
 
 // Coordinates that do not depend on the normal: for small curved things such as kerb stones.
@@ -67,8 +80,6 @@ float Bars(float x, float period, float width, float footprint) {
   return std::min(
       1.0F, Within(in, 0.0F, width, footprint) + Within(in, period, period + width, footprint));
 }
-
-int Cell(float x, float size) { return static_cast<int>(std::floor(x / size)); }
 
 }  // namespace
 
@@ -307,7 +318,7 @@ float TownTextures::CarTrim(const SurfacePoint& at) const {
   const TextureFootprint f = OnSurface(at);
   const float block = OfCell(Cell(f.u_m, 0.09F), Cell(f.v_m, 0.06F), at.object);
   const float plate = Within(std::abs(at.p_object.y()), -0.3F, 0.26F, at.minor_m) *
-                      Within(at.p_object.z(), 0.42F, 0.53F, at.minor_m);
+                      Within(at.p_object.z(), 0.30F, 0.41F, at.minor_m);
   const float letters = Bars(f.u_m, 0.06F, 0.03F, Extent(f));
   const float trim = 0.05F + (block > 0.8F ? 0.45F * Above(-Extent(f), -0.08F, 0.1F) : 0.0F);
   return Mix(trim, Mix(0.8F, 0.08F, letters), plate);
