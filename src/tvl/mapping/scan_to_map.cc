@@ -1,0 +1,216 @@
+#include "tvl/mapping/scan_to_map.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+#include "tvl/factors/pose_prior.h"
+#include "tvl/geometry/voxel_hash.h"
+#include "tvl/optim/pose_solver.h"
+
+namespace tvl {
+namespace {
+
+constexpr size_t kChunk = 256;
+
+// First point of each voxel.
+std::vector<Eigen::Vector3f> Thin(const std::vector<Eigen::Vector3f>& points, double voxel_m) {
+  VoxelHash<char> seen;
+  seen.Reserve(points.size());
+  std::vector<Eigen::Vector3f> kept;
+  for (const Eigen::Vector3f& p : points) {
+    char& taken = seen[VoxelKey::Of(p.cast<double>(), voxel_m)];
+    if (taken != 0) continue;
+    taken = 1;
+    kept.push_back(p);
+  }
+  return kept;
+}
+
+// Variance of a residual: scatter of the surface, the point's own noise, and the error of the
+// surfel's normal at the lever arm to its mean.
+double PlaneInformation(const Surfel& surfel, const Eigen::Vector3d& p_world, double sensor_sigma_m) {
+  const double lever_sq = (p_world - surfel.mean).squaredNorm();
+  const double variance =
+      surfel.thickness_sq_m2 * (1.0 + lever_sq / (surfel.count * surfel.extent_sq_m2)) +
+      sensor_sigma_m * sensor_sigma_m;
+  return 1.0 / variance;
+}
+
+std::vector<PlaneMatch> MatchPlanes(const std::vector<Eigen::Vector3f>& points,
+                                    const SurfelMap& map, const Rigid3d& T, double gate_m,
+                                    const ScanToMapOptions& options, const Executor& executor) {
+  std::vector<PlaneMatch> all(points.size());
+  const Eigen::Matrix3d R = T.R();
+  executor.For(points.size(), kChunk, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d p_body = points[i].cast<double>();
+      const Eigen::Vector3d p_world = R * p_body + T.t();
+      const Surfel* surfel = map.Find(p_world);
+      all[i].information = 0.0;
+      if (surfel == nullptr) continue;
+      if (std::abs(surfel->axis.dot(p_world - surfel->mean)) > gate_m) continue;
+      all[i].factor = {p_body, surfel->axis, surfel->mean};
+      all[i].information = PlaneInformation(*surfel, p_world, options.sensor_sigma_m);
+    }
+  });
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [](const PlaneMatch& m) { return m.information == 0.0; }),
+            all.end());
+  return all;
+}
+
+std::vector<LineMatch> MatchLines(const std::vector<Eigen::Vector3f>& points, const SurfelMap& map,
+                                  const Rigid3d& T, double gate_m,
+                                  const ScanToMapOptions& options) {
+  std::vector<LineMatch> matches;
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d p_body = point.cast<double>();
+    const Eigen::Vector3d p_world = T * p_body;
+    const Surfel* surfel = map.Find(p_world);
+    if (surfel == nullptr) continue;
+    if ((p_world - surfel->mean).cross(surfel->axis).norm() > gate_m) continue;
+    LineMatch match;
+    match.factor = {p_body, surfel->axis, surfel->mean};
+    match.information =
+        1.0 / (surfel->thickness_sq_m2 + options.edge_sigma_m * options.edge_sigma_m);
+    matches.push_back(match);
+  }
+  return matches;
+}
+
+NormalEquations PriorTerm(const PosePrior& prior, double share, const Rigid3d& T) {
+  const Residual<6> residual = EvaluatePosePrior(prior.T_world_lidar, T);
+  const Matrix6d information = share * prior.covariance.ldlt().solve(Matrix6d::Identity());
+  NormalEquations n;
+  n.H = residual.J.transpose() * information * residual.J;
+  n.b = residual.J.transpose() * information * residual.r;
+  n.cost = 0.5 * residual.r.dot(information * residual.r);
+  return n;
+}
+
+// One set of correspondences and everything the solver needs to weigh them.
+struct Problem {
+  LaserMatches laser;
+  VisualMatches visual;
+  Matrix6d lidar_mask = Matrix6d::Identity();
+};
+
+class Refiner {
+ public:
+  Refiner(const Rigid3d& T_cam_lidar, const PosePrior& prior, const ScanToMapOptions& options,
+          const Executor& executor)
+      : T_cam_lidar_(T_cam_lidar), prior_(prior), options_(options), executor_(executor) {}
+
+  LaserSum Laser(const Problem& problem, const Rigid3d& T) const {
+    return Linearize(problem.laser, T, SweepBins::Compensated(), options_.kernel_sigmas,
+                     executor_);
+  }
+  VisualSum Visual(const Problem& problem, const Rigid3d& T) const {
+    return Linearize(problem.visual, T, T_cam_lidar_, options_.visual_kernel_sigmas);
+  }
+  NormalEquations All(const Problem& problem, const Rigid3d& T) const {
+    NormalEquations sum = Masked(Laser(problem, T).normal, problem.lidar_mask);
+    sum += Visual(problem, T).normal;
+    sum += PriorTerm(prior_, options_.prior_share, T);
+    return sum;
+  }
+  PoseSolution Solve(const Problem& problem, const Rigid3d& T) const {
+    PoseSolverOptions solver;
+    solver.max_iterations = 3;
+    return SolvePose(
+        T, [&](const Rigid3d& candidate) { return All(problem, candidate); }, solver);
+  }
+
+ private:
+  const Rigid3d& T_cam_lidar_;
+  const PosePrior& prior_;
+  const ScanToMapOptions& options_;
+  const Executor& executor_;
+};
+
+EstimateEvidence Evidence(const Problem& problem, const LaserSum& laser, const VisualSum& visual) {
+  const auto rms = [](double sum, size_t n) {
+    return n == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(n));
+  };
+  EstimateEvidence evidence;
+  evidence.planes = static_cast<int>(problem.laser.planes.size());
+  evidence.edges = static_cast<int>(problem.laser.lines.size());
+  evidence.visual = static_cast<int>(problem.visual.size());
+  evidence.plane_rms_m = rms(laser.plane_sq_m2, problem.laser.planes.size());
+  evidence.edge_rms_m = rms(laser.line_sq_m2, problem.laser.lines.size());
+  evidence.visual_rms_px = rms(visual.squared, static_cast<size_t>(visual.count));
+  return evidence;
+}
+
+}  // namespace
+
+void ScanToMapOptions::Check() const {
+  TVL_CHECK_INPUT(source_voxel_m > 0.0) << "mapping.source_voxel_m: must be positive";
+  TVL_CHECK_INPUT(sensor_sigma_m > 0.0) << "mapping.sensor_sigma_m: must be positive";
+  TVL_CHECK_INPUT(edge_sigma_m > 0.0) << "mapping.edge_sigma_m: must be positive";
+  TVL_CHECK_INPUT(kernel_sigmas > 0.0) << "mapping.kernel_sigmas: must be positive";
+  TVL_CHECK_INPUT(max_refreshes >= 1) << "mapping.max_refreshes: must be at least 1";
+  TVL_CHECK_INPUT(first_gate_m >= last_gate_m && last_gate_m > 0.0)
+      << "mapping.first_gate_m, last_gate_m: want first >= last > 0";
+  TVL_CHECK_INPUT(prior_share >= 0.0 && prior_share <= 1.0)
+      << "mapping.prior_share: must be in 0..1";
+  weakness.Check();
+  covariance.Check();
+}
+
+MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
+                             const std::vector<Eigen::Vector3f>& edges, double voxel_m) {
+  return {Thin(planes, voxel_m), Thin(edges, 0.5 * voxel_m)};
+}
+
+ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
+                           const LandmarkMap& landmarks, const FeatureTracks& tracks,
+                           const Rigid3d& T_cam_lidar, const PosePrior& prior,
+                           const ScanToMapOptions& options, const Executor& executor) {
+  const Refiner refiner(T_cam_lidar, prior, options, executor);
+  Problem problem;
+  Rigid3d T = prior.T_world_lidar;
+  double gate_m = options.first_gate_m;
+  ScanToMapResult result;
+  result.estimate.status = EstimateStatus::kNotConverged;
+  Weakness weakness;
+  for (int i = 0; i < options.max_refreshes; ++i) {
+    problem.laser.planes = MatchPlanes(points.planes, map.planes(), T, gate_m, options, executor);
+    problem.laser.lines = MatchLines(points.edges, map.lines(), T, gate_m, options);
+    if (options.use_camera) problem.visual.forward = landmarks.Match(tracks, T);
+    weakness = AnalyseWeakness(refiner.Laser(problem, T), refiner.Visual(problem, T).normal,
+                               options.weakness);
+    problem.lidar_mask = weakness.lidar_mask;
+    const PoseSolution solution = refiner.Solve(problem, T);
+    const Vector6d step = (T.Inverse() * solution.T).Log();
+    T = solution.T;
+    result.estimate.evidence.iterations = i + 1;
+    gate_m = std::max(options.last_gate_m, 0.5 * gate_m);
+    if (step.head<3>().norm() < options.stop_rotation_rad &&
+        step.tail<3>().norm() < options.stop_translation_m) {
+      result.estimate.status = EstimateStatus::kConverged;
+      break;
+    }
+  }
+  const int iterations = result.estimate.evidence.iterations;
+  result.estimate.T_ref_body = T;
+  result.estimate.weak = weakness.directions;
+  result.translation_ratio = weakness.translation_ratio;
+  result.rotation_ratio = weakness.rotation_ratio;
+  result.estimate.evidence =
+      Evidence(problem, refiner.Laser(problem, T), refiner.Visual(problem, T));
+  result.estimate.evidence.iterations = iterations;
+  result.estimate.covariance =
+      HonestCovariance(refiner.All(problem, T).H, prior.step_m, options.covariance);
+  const EstimateEvidence& evidence = result.estimate.evidence;
+  if (evidence.planes + evidence.edges + evidence.visual < options.min_matches) {
+    result.estimate.status = EstimateStatus::kPredicted;
+    result.estimate.T_ref_body = prior.T_world_lidar;
+    result.estimate.covariance = prior.covariance;
+  }
+  return result;
+}
+
+}  // namespace tvl

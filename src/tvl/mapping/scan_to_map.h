@@ -1,0 +1,61 @@
+// Scan-to-map matching (paper 5.2): refines T_world_lidar against the local map, with the camera's
+// landmarks and the odometry's prediction beside the laser, so that a tunnel does not slide.
+#pragma once
+
+#include "tvl/base/parallel.h"
+#include "tvl/frame/motion_estimate.h"
+#include "tvl/frame/laser_features.h"
+#include "tvl/mapping/landmark_map.h"
+#include "tvl/mapping/local_map.h"
+#include "tvl/registration/covariance.h"
+#include "tvl/registration/weakness.h"
+
+namespace tvl {
+
+struct ScanToMapOptions {
+  double source_voxel_m = 0.5;     // thinning of F_lf before matching: even coverage, constant cost
+  double sensor_sigma_m = 0.03;    // of a point across a surface; range noise and beam bias
+  double edge_sigma_m = 0.10;      // of a point across an edge: edges are where beams happen to hit
+  double kernel_sigmas = 2.0;      // Cauchy
+  double visual_kernel_sigmas = 2.0;  // Huber
+  int max_refreshes = 6;           // of the correspondences
+  double first_gate_m = 1.0;       // matches further off are dropped; halved each refresh ...
+  double last_gate_m = 0.25;       // ... down to this
+  double stop_rotation_rad = 2e-5, stop_translation_m = 5e-4;  // step that ends the refreshes
+  int min_matches = 60;            // fewer laser and visual residuals: not an estimate
+  // The prior counts for this share of its information: camera and laser are in it already.
+  double prior_share = 0.25;
+  bool use_camera = true;
+  WeaknessOptions weakness;
+  CovarianceOptions covariance;
+  void Check() const;
+};
+
+// Where the pose was expected: T_world_lidar of the odometry and the covariance of its last step.
+struct PosePrior {
+  Rigid3d T_world_lidar;
+  Matrix6d covariance = Matrix6d::Identity();  // right perturbation, body
+  double step_m = 0.0;                          // length of the step it stands for
+};
+
+struct ScanToMapResult {
+  MotionEstimate estimate;  // T_ref_body = T_world_lidar
+  double translation_ratio = 1.0, rotation_ratio = 1.0;  // of Weakness
+};
+
+// Points of F_lf and F_ls as the map step uses them, compensated to the stamp.
+struct MapStepPoints {
+  std::vector<Eigen::Vector3f> planes, edges;  // p_lidar, m
+};
+
+// `planes` and `edges` are compensated points in the lidar frame, thinned by the caller or not.
+MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
+                             const std::vector<Eigen::Vector3f>& edges, double voxel_m);
+
+// `landmarks` may be empty. Thread-safe.
+ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
+                           const LandmarkMap& landmarks, const FeatureTracks& tracks,
+                           const Rigid3d& T_cam_lidar, const PosePrior& prior,
+                           const ScanToMapOptions& options, const Executor& executor);
+
+}  // namespace tvl

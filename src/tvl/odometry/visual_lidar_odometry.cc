@@ -1,0 +1,169 @@
+#include "tvl/odometry/visual_lidar_odometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+#include "tvl/factors/pose_prior.h"
+
+namespace tvl {
+
+// Correspondences of one refresh and how to weigh them.
+struct VisualLidarOdometry::Problem {
+  const OdometryOptions& options;
+  const Rigid3d& T_cam_lidar;
+  const SweepBins& bins;
+  const Executor& executor;
+  Rigid3d T_prior;
+  bool has_prior = false;
+  LaserMatches laser;
+  VisualMatches visual;
+  Matrix6d lidar_mask = Matrix6d::Identity();
+
+  size_t size() const { return laser.planes.size() + laser.lines.size() + visual.size(); }
+  LaserSum Laser(const Rigid3d& T) const {
+    return Linearize(laser, T, bins, options.kernel_sigmas, executor);
+  }
+  VisualSum Visual(const Rigid3d& T) const {
+    return Linearize(visual, T, T_cam_lidar, options.visual_kernel_sigmas);
+  }
+  NormalEquations Prior(const Rigid3d& T) const {
+    NormalEquations n;
+    if (!has_prior) return n;
+    Vector6d information;
+    information << Eigen::Vector3d::Constant(std::pow(options.prior_sigma_rad, -2)),
+        Eigen::Vector3d::Constant(std::pow(options.prior_sigma_m, -2));
+    const Residual<6> residual = EvaluatePosePrior(T_prior, T);
+    n.H = residual.J.transpose() * information.asDiagonal() * residual.J;
+    n.b = residual.J.transpose() * information.asDiagonal() * residual.r;
+    n.cost = 0.5 * residual.r.dot(information.asDiagonal() * residual.r);
+    return n;
+  }
+  NormalEquations All(const Rigid3d& T) const {
+    NormalEquations sum = Masked(Laser(T).normal, lidar_mask);
+    sum += Visual(T).normal;
+    sum += Prior(T);
+    return sum;
+  }
+};
+
+struct VisualLidarOdometry::Candidate {
+  MotionEstimate estimate;
+  // Robust cost a feature, those without a match at a fixed price: to choose among starts.
+  double score = 0.0;
+};
+
+void OdometryOptions::Check() const {
+  laser.Check();
+  visual.Check();
+  weakness.Check();
+  covariance.Check();
+  TVL_CHECK_INPUT(kernel_sigmas > 0.0) << "odometry.kernel_sigmas: must be positive";
+  TVL_CHECK_INPUT(max_refreshes >= 1) << "odometry.max_refreshes: must be at least 1";
+  TVL_CHECK_INPUT(first_gate_m >= last_gate_m && last_gate_m > 0.0)
+      << "odometry.first_gate_m, last_gate_m: want first >= last > 0";
+  TVL_CHECK_INPUT(prior_sigma_m > 0.0 && prior_sigma_rad > 0.0)
+      << "odometry.prior_sigma_m, prior_sigma_rad: must be positive";
+}
+
+VisualLidarOdometry::VisualLidarOdometry(const Calibration& calibration,
+                                         const OdometryOptions& options)
+    : calibration_(calibration), options_(options) {
+  options_.Check();
+}
+
+void VisualLidarOdometry::Advance(const PreprocessedFrame& frame,
+                                  std::vector<Eigen::Vector3f> edges,
+                                  std::vector<Eigen::Vector3f> planes) {
+  matcher_.reset();
+  if (frame.has_scan) {
+    matcher_ = std::make_unique<LaserMatcher>(
+        RingCloud(std::move(edges), frame.features.less_sharp),
+        RingCloud(std::move(planes), frame.features.less_flat));
+  }
+  previous_visual_ = {frame.tracks, frame.depths};
+}
+
+void VisualLidarOdometry::Reset() {
+  matcher_.reset();
+  previous_visual_ = {};
+}
+
+double VisualLidarOdometry::Score(const PreprocessedFrame& frame, const Problem& problem,
+                                  double cost) {
+  constexpr double kUnmatchedCost = 3.0;  // as a residual of about 3 sigma under the kernel
+  const double features = static_cast<double>(frame.features.flat.size() +
+                                              frame.features.sharp.size() + problem.visual.size());
+  const double matched = static_cast<double>(problem.size());
+  return (cost + kUnmatchedCost * std::max(0.0, features - matched)) / std::max(1.0, features);
+}
+
+VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(
+    const PreprocessedFrame& frame, const Rigid3d& start, bool known, const SweepBins& bins,
+    double period_s, const Executor& executor) {
+  Problem problem{options_, calibration_.T_cam_lidar, bins, executor, start, known, {}, {}, {}};
+  const VisualFeatures current{frame.tracks, frame.depths};
+  Rigid3d T = start;
+  Weakness weakness;
+  Candidate candidate;
+  candidate.estimate.status = EstimateStatus::kNotConverged;
+  double gate_m = known ? options_.first_gate_m : 2.0 * options_.first_gate_m;
+  for (int i = 0; i < options_.max_refreshes; ++i) {
+    if (matcher_ != nullptr && frame.has_scan) {
+      const SweepFeatures features = PrepareSweep(frame.features, bins, period_s, T);
+      problem.laser = matcher_->Match(features, bins, T, gate_m, options_.laser);
+    }
+    if (options_.use_camera) {
+      problem.visual =
+          MatchVisual(previous_visual_, current, calibration_, T, options_.visual);
+    }
+    if (problem.size() < static_cast<size_t>(options_.min_matches)) break;
+    weakness = AnalyseWeakness(problem.Laser(T), problem.Visual(T).normal, options_.weakness);
+    problem.lidar_mask = weakness.lidar_mask;
+    PoseSolverOptions solver;
+    solver.max_iterations = 3;
+    const PoseSolution solution =
+        SolvePose(T, [&](const Rigid3d& at) { return problem.All(at); }, solver);
+    const Vector6d step = (T.Inverse() * solution.T).Log();
+    T = solution.T;
+    candidate.score = Score(frame, problem, solution.at_T.cost);
+    candidate.estimate.evidence.iterations = i + 1;
+    gate_m = std::max(options_.last_gate_m, 0.5 * gate_m);
+    if (step.head<3>().norm() < options_.stop_rotation_rad &&
+        step.tail<3>().norm() < options_.stop_translation_m) {
+      candidate.estimate.status = EstimateStatus::kConverged;
+      break;
+    }
+  }
+  MotionEstimate& estimate = candidate.estimate;
+  estimate.T_ref_body = T;
+  estimate.weak = weakness.directions;
+  estimate.evidence.planes = static_cast<int>(problem.laser.planes.size());
+  estimate.evidence.edges = static_cast<int>(problem.laser.lines.size());
+  estimate.evidence.visual = static_cast<int>(problem.visual.size());
+  estimate.covariance = HonestCovariance(problem.All(T).H, T.t().norm(), options_.covariance);
+  if (problem.size() < static_cast<size_t>(options_.min_matches)) {
+    estimate.status = EstimateStatus::kPredicted;
+    estimate.T_ref_body = start;
+    candidate.score = 1e9;
+  }
+  return candidate;
+}
+
+MotionEstimate VisualLidarOdometry::Estimate(const PreprocessedFrame& frame,
+                                             const MotionGuess& guess, const SweepBins& bins,
+                                             double period_s, const Executor& executor) {
+  if (guess.known) {
+    return EstimateFrom(frame, guess.T_prev_cur, true, bins, period_s, executor).estimate;
+  }
+  constexpr double kStartSpacing_m = 0.75;  // half of the first gate
+  Candidate best = EstimateFrom(frame, Rigid3d(), false, bins, period_s, executor);
+  for (double x = kStartSpacing_m; x <= options_.max_start_step_m; x += kStartSpacing_m) {
+    Candidate other = EstimateFrom(frame, Rigid3d::Translation(x, 0.0, 0.0), false, bins,
+                                   period_s, executor);
+    if (other.score < best.score) best = std::move(other);
+  }
+  return best.estimate;
+}
+
+}  // namespace tvl

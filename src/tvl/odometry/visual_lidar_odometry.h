@@ -1,0 +1,75 @@
+// Tightly coupled visual lidar odometry (paper 5.1, Algorithm 1): the motion between consecutive
+// frames from laser and visual features in one optimisation.
+#pragma once
+
+#include <memory>
+
+#include "tvl/base/parallel.h"
+#include "tvl/frame/motion_estimate.h"
+#include "tvl/frame/preprocessed_frame.h"
+#include "tvl/odometry/laser_matcher.h"
+#include "tvl/odometry/visual_matcher.h"
+#include "tvl/registration/covariance.h"
+#include "tvl/registration/weakness.h"
+
+namespace tvl {
+
+struct OdometryOptions {
+  LaserMatchOptions laser;
+  VisualMatchOptions visual;
+  double kernel_sigmas = 2.0;         // laser, Cauchy
+  double visual_kernel_sigmas = 2.0;  // Huber
+  int max_refreshes = 5;              // of the correspondences
+  double first_gate_m = 1.5, last_gate_m = 0.5;  // of laser matches; halved each refresh
+  double stop_rotation_rad = 5e-5, stop_translation_m = 1e-3;
+  int min_matches = 60;  // fewer laser and visual residuals: not an estimate
+  // Change of velocity a vehicle manages within one frame (5 m/s^2, 1 rad/s^2 over 0.1 s, as
+  // displacement): the width of the constant-velocity prior.
+  double prior_sigma_m = 0.05, prior_sigma_rad = 0.01;
+  // Before any velocity is known, forward speeds of up to this are tried.
+  double max_start_step_m = 3.0;
+  bool use_camera = true;
+  WeaknessOptions weakness;
+  CovarianceOptions covariance;
+  void Check() const;
+};
+
+// What odometry is told of the previous frame besides its features.
+struct MotionGuess {
+  Rigid3d T_prev_cur;
+  bool known = false;  // false: no velocity yet
+};
+
+class VisualLidarOdometry {
+ public:
+  VisualLidarOdometry(const Calibration& calibration, const OdometryOptions& options);
+
+  bool has_previous() const { return matcher_ != nullptr || !previous_visual_.tracks.tracks.empty(); }
+
+  // T_prev_cur of `frame` against the frame last given to Advance. `period_s` is the time between
+  // the two; `bins` says whether scans are raw.
+  MotionEstimate Estimate(const PreprocessedFrame& frame, const MotionGuess& guess,
+                          const SweepBins& bins, double period_s, const Executor& executor);
+
+  // Last step of Algorithm 1: the frame's features, compensated to its stamp, become the
+  // reference. `planes` and `edges` are the compensated F_lf and F_ls, in the order of the frame's.
+  void Advance(const PreprocessedFrame& frame, std::vector<Eigen::Vector3f> edges,
+               std::vector<Eigen::Vector3f> planes);
+
+  // Forgets the reference: the next frame is a first one.
+  void Reset();
+
+ private:
+  struct Problem;
+  struct Candidate;
+  static double Score(const PreprocessedFrame& frame, const Problem& problem, double cost);
+  Candidate EstimateFrom(const PreprocessedFrame& frame, const Rigid3d& start, bool known,
+                         const SweepBins& bins, double period_s, const Executor& executor);
+
+  Calibration calibration_;
+  OdometryOptions options_;
+  std::unique_ptr<LaserMatcher> matcher_;
+  VisualFeatures previous_visual_;
+};
+
+}  // namespace tvl

@@ -1,0 +1,31 @@
+// Visual residuals between consecutive images (paper 5.1): by track id, in the form the known
+// depths allow.
+#pragma once
+
+#include "tvl/frame/feature_tracks.h"
+#include "tvl/frame/visual_depth.h"
+#include "tvl/registration/visual_terms.h"
+#include "tvl/sensor/calibration.h"
+
+namespace tvl {
+
+struct VisualMatchOptions {
+  double sigma_px = 0.5;            // of the flow between two images
+  double max_relative_sigma = 0.15; // of a depth: vaguer depths count as none
+  double min_baseline_m = 0.15;     // shorter: epipolar planes are undefined
+  void Check() const;
+};
+
+// Features of one image with what is known of their depth.
+struct VisualFeatures {
+  FeatureTracks tracks;
+  VisualDepths depths;  // one a track
+};
+
+// Depth at k: reproject into k+1; depth at k+1 only: the inverse; none: epipolar. Weights follow
+// from T_prev_cur, a guess.
+VisualMatches MatchVisual(const VisualFeatures& previous, const VisualFeatures& current,
+                          const Calibration& calibration, const Rigid3d& T_prev_cur,
+                          const VisualMatchOptions& options);
+
+}  // namespace tvl

@@ -1,0 +1,77 @@
+#include "tvl/slam/preprocessor.h"
+
+#include "tvl/base/stopwatch.h"
+#include "tvl/depth/depth_association.h"
+#include "tvl/geometry/elevation.h"
+#include "tvl/lidar/deskew.h"
+#include "tvl/vision/pixel_prediction.h"
+
+namespace tvl {
+
+Preprocessor::Preprocessor(const SensorSetup& setup, Deskew deskew,
+                           const PreprocessingOptions& options, bool use_camera)
+    : setup_(setup),
+      deskew_(deskew),
+      options_(options),
+      use_camera_(use_camera),
+      tracker_(options.vision) {}
+
+PreprocessedFrame Preprocessor::Process(const SensorFrame& frame, const PredictedMotion& predicted,
+                                        const Executor& executor, StageTimes* times) {
+  PreprocessedFrame out;
+  out.id = frame.id;
+  out.stamp = frame.stamp;
+  executor.Invoke({[&] { ProcessScan(frame, &out, times); },
+                   [&] { ProcessImage(frame, predicted, &out, times); }});
+  const Stopwatch watch;
+  out.depths = FindDepths(out, predicted);
+  times->depth_ms += watch.ElapsedMs();
+  previous_tracks_ = out.tracks;
+  previous_depths_ = out.depths;
+  return out;
+}
+
+void Preprocessor::ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,
+                                PreprocessedFrame* out, StageTimes* times) {
+  if (!use_camera_ || !setup_.has_camera) return;
+  const Stopwatch watch;
+  const Rigid3d& T_cam_lidar = setup_.calibration.T_cam_lidar;
+  const Rigid3d T_cur_prev_cam =
+      T_cam_lidar * predicted.T_prev_cur.Inverse() * T_cam_lidar.Inverse();
+  const PixelPredictions expected = PredictPixels(previous_tracks_, previous_depths_,
+                                                  T_cur_prev_cam, setup_.calibration.camera);
+  out->tracks = tracker_.Track(frame.image, setup_.calibration.camera, expected);
+  out->has_image = out->tracks.status != TrackingStatus::kNoImage;
+  times->vision_ms += watch.ElapsedMs();
+}
+
+void Preprocessor::ProcessScan(const SensorFrame& frame, PreprocessedFrame* out,
+                               StageTimes* times) {
+  if (frame.scan == nullptr) return;
+  Stopwatch watch;
+  out->scan = SegmentScan(*frame.scan, setup_.lidar, deskew_, options_.segmentation, &workspace_);
+  times->segmentation_ms += watch.LapMs();
+  out->features = ExtractLaserFeatures(out->scan, setup_.lidar, options_.features);
+  out->has_scan = !out->features.less_flat.empty();
+  times->features_ms += watch.ElapsedMs();
+}
+
+VisualDepths Preprocessor::FindDepths(const PreprocessedFrame& frame,
+                                      const PredictedMotion& predicted) const {
+  if (!frame.has_scan || frame.tracks.tracks.empty()) {
+    return VisualDepths(frame.tracks.tracks.size());
+  }
+  const auto& lidar = setup_.lidar;
+  std::vector<Eigen::Vector3f> points =
+      deskew_ == Deskew::kNone
+          ? frame.scan.points
+          : DeskewPoints(frame.scan.points, frame.scan.time_offset_s, predicted.T_prev_cur,
+                         predicted.period_s);
+  if (!options_.correct_depth_points && lidar.vertical_correction_rad != 0.0) {
+    points = RaiseElevation(points, -lidar.vertical_correction_rad);
+  }
+  return AssociateDepth(frame.tracks, points, frame.scan, setup_.calibration.camera,
+                        setup_.calibration.T_cam_lidar, lidar, options_.depth);
+}
+
+}  // namespace tvl

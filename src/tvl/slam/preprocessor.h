@@ -1,0 +1,45 @@
+// Data preprocessing (paper section 4): what a raw frame looks like to the estimators.
+#pragma once
+
+#include "tvl/base/parallel.h"
+#include "tvl/frame/preprocessed_frame.h"
+#include "tvl/sensor/dataset.h"
+#include "tvl/slam/slam_options.h"
+#include "tvl/slam/stage_times.h"
+
+namespace tvl {
+
+// The motion since the previous frame, as far as it can be foreseen.
+struct PredictedMotion {
+  Rigid3d T_prev_cur;
+  double period_s = 0.1;  // between the two stamps
+};
+
+class Preprocessor {
+ public:
+  Preprocessor(const SensorSetup& setup, Deskew deskew, const PreprocessingOptions& options,
+               bool use_camera);
+
+  // Image and scan are worked on side by side where the executor has threads. Times are added to
+  // `times`.
+  PreprocessedFrame Process(const SensorFrame& frame, const PredictedMotion& predicted,
+                            const Executor& executor, StageTimes* times);
+
+ private:
+  void ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,
+                    PreprocessedFrame* out, StageTimes* times);
+  void ProcessScan(const SensorFrame& frame, PreprocessedFrame* out, StageTimes* times);
+  VisualDepths FindDepths(const PreprocessedFrame& frame, const PredictedMotion& predicted) const;
+
+  SensorSetup setup_;
+  Deskew deskew_;
+  PreprocessingOptions options_;
+  bool use_camera_;
+  FeatureTracker tracker_;
+  SegmentationWorkspace workspace_;
+  // Tracks and depths of the previous frame: where its features are to be looked for.
+  FeatureTracks previous_tracks_;
+  VisualDepths previous_depths_;
+};
+
+}  // namespace tvl

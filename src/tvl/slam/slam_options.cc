@@ -1,0 +1,20 @@
+#include "tvl/slam/slam_options.h"
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+
+void SlamOptions::Check() const {
+  preprocessing.vision.Check();
+  preprocessing.segmentation.Check();
+  preprocessing.features.Check();
+  preprocessing.depth.Check();
+  odometry.Check();
+  TVL_CHECK_INPUT(mapping.interval >= 1) << "mapping.interval: must be at least 1";
+  mapping.keyframes.Check();
+  mapping.local_map.Check();
+  mapping.landmarks.Check();
+  mapping.scan_to_map.Check();
+}
+
+}  // namespace tvl

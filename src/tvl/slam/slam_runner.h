@@ -1,0 +1,35 @@
+// Runs the system over a stream of frames: the only place with threads and queues. Results do not
+// depend on the number of threads.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "tvl/slam/deskew_decision.h"
+#include "tvl/slam/slam_system.h"
+
+namespace tvl {
+
+struct RunOptions {
+  SlamOptions slam;
+  int threads = 1;
+  // Empty: what the input says of itself, else decided from the first frames, else its default.
+  std::optional<Deskew> deskew;
+  DeskewDecisionOptions decision;
+  void Check() const;
+};
+
+struct RunResult {
+  std::vector<FrameResult> frames;  // one a frame of the input, in order
+  Map map;
+  DeskewDecision deskew;
+  bool stopped = false;  // the observer said so
+};
+
+// Sees every frame's result; returns false to stop the run (all results so far are kept).
+using RunObserver = std::function<bool(const FrameResult&)>;
+
+// Throws InputError if not one frame has a usable scan.
+RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObserver& observer);
+
+}  // namespace tvl
