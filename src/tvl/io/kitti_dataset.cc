@@ -83,8 +83,7 @@ SensorSetup SetupOf(const KittiLayout& layout, const LidarModel& lidar) {
 KittiDataset::KittiDataset(const std::string& folder, const LidarModel& lidar,
                            const KittiOptions& options)
     : layout_(FindKittiLayout(folder, options.camera)) {
-  expectation_.rings = lidar.rows();
-  expectation_.typical_points = TypicalPoints(layout_.frames);
+  expectation_ = ExpectationFor(lidar, TypicalPoints(layout_.frames));
   setup_ = SetupOf(layout_, lidar);
   if (!options.require_first_scan) return;
   TVL_CHECK_INPUT(options.first_frame < size())

@@ -49,8 +49,10 @@ std::string StampText(Timestamp stamp) {
 Timestamp ParseStamp(const std::string& word, const std::string& where) {
   const size_t dot = word.find('.');
   const bool is_plain = dot != std::string::npos && dot > 0 && word.size() - dot == 10 &&
-                        word.find_first_not_of("0123456789.") == std::string::npos;
-  if (is_plain && dot <= 9) {
+                        word.find_first_not_of("0123456789.") == std::string::npos &&
+                        word.find('.', dot + 1) == std::string::npos;
+  // Ten digits below 9e9 s still fit into 64 bits of nanoseconds.
+  if (is_plain && (dot <= 9 || (dot == 10 && word[0] < '9'))) {
     return {std::stoll(word.substr(0, dot)) * 1000000000 + std::stoll(word.substr(dot + 1))};
   }
   const std::vector<double> numbers = ParseNumbers(word, where);

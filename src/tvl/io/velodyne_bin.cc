@@ -1,5 +1,6 @@
 #include "tvl/io/velodyne_bin.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <sstream>
 
+#include "tvl/base/units.h"
 #include "tvl/io/atomic_file.h"
 
 namespace tvl {
@@ -48,16 +50,34 @@ LidarScan Decode(const std::vector<char>& bytes) {
   return scan;
 }
 
+// Median elevation of the last points, rad.
+double EndElevation_rad(const LidarScan& scan) {
+  const size_t n = std::min<size_t>(scan.size(), 100);
+  std::vector<float> elevations_rad;
+  for (size_t i = scan.size() - n; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    elevations_rad.push_back(std::atan2(p.z(), p.head<2>().norm()));
+  }
+  const auto middle = elevations_rad.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(elevations_rad.begin(), middle, elevations_rad.end());
+  return static_cast<double>(*middle);
+}
+
 // What is missing of the scan, or empty.
-std::string Truncation(const LidarScan& scan, int rings, const ScanExpectation& expected) {
+std::string Truncation(const LidarScan& scan, int turns, const ScanExpectation& expected) {
   std::ostringstream out;
-  if (rings < expected.min_ring_share * expected.rings) {
-    out << "only " << rings << " rings of " << expected.rings << " (" << scan.size()
+  if (turns + 1 < expected.min_ring_share * expected.rings) {
+    out << "only " << turns + 1 << " rings of " << expected.rings << " (" << scan.size()
         << " points): cut off, not stored ring after ring, or another sensor than the profile's";
   } else if (static_cast<double>(scan.size()) <
              expected.min_point_share * static_cast<double>(expected.typical_points)) {
     out << "only " << scan.size() << " points, " << expected.typical_points
         << " are typical here: cut off";
+  } else if (expected.rings > 0) {
+    const double above_rad = EndElevation_rad(scan) - expected.lowest_beam_rad;
+    if (above_rad > expected.max_end_above_rad) {
+      out << "ends " << RadToDeg(above_rad) << " deg above the lowest beam: cut off";
+    }
   }
   return out.str();
 }
@@ -77,6 +97,14 @@ int CountAzimuthTurns(const std::vector<Eigen::Vector3f>& points) {
     if (a_left && cross < 0.0F) --turns;
   }
   return std::abs(turns);
+}
+
+ScanExpectation ExpectationFor(const LidarModel& lidar, size_t typical_points) {
+  ScanExpectation expected;
+  expected.typical_points = typical_points;
+  expected.rings = lidar.rows();
+  if (expected.rings > 0) expected.lowest_beam_rad = lidar.beam_elevation_rad.back();
+  return expected;
 }
 
 ScanRead ReadVelodyneBin(const std::string& path, const ScanExpectation& expected) {
@@ -105,8 +133,8 @@ ScanRead ReadVelodyneBin(const std::string& path, const ScanExpectation& expecte
     read.faults.push_back({Kind::kEmptyScan, path + ": no valid point"});
     return read;
   }
-  read.rings = CountAzimuthTurns(scan.points);
-  const std::string truncation = Truncation(scan, read.rings, expected);
+  read.turns = CountAzimuthTurns(scan.points);
+  const std::string truncation = Truncation(scan, read.turns, expected);
   if (!truncation.empty()) {
     read.faults.push_back({Kind::kTruncatedScan, path + ": " + truncation});
     return read;
