@@ -16,7 +16,7 @@ DEFAULT_BINARY = pathlib.Path(__file__).resolve().parents[2] / "build/release/tv
 class Run:
     folder: pathlib.Path
     T_world_lidar: np.ndarray
-    report: dict  # run.json
+    report: dict  # run.json; empty if there is none
 
 
 def execute(binary, *arguments):
@@ -36,7 +36,8 @@ def run(binary, sequence, out, *options):
     out = pathlib.Path(out)
     T_world_cam0 = se3.read_poses(out / "trajectory_kitti.txt")
     T_world_lidar = se3.to_lidar(T_world_cam0, se3.read_calibration(sequence))
-    return Run(out, T_world_lidar, json.loads((out / "run.json").read_text()))
+    report = out / "run.json"
+    return Run(out, T_world_lidar, json.loads(report.read_text()) if report.exists() else {})
 
 
 def stage_ms(report):
