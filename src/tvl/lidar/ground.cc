@@ -8,10 +8,14 @@
 namespace tvl {
 namespace {
 
+constexpr float kUnknownSlope = 1e3f;
+constexpr float kFlatRun_m = 0.3f;  // over this the noise of two heights is some degrees
+
 // What growing needs of a cell.
 struct Cell {
-  float h = 0, z = 0;  // horizontal distance and height, m; h == 0: no point
-  bool steep = false;  // the point above it stands over it
+  float h = 0, z = 0;                 // horizontal distance and height, m; h == 0: no point
+  bool steep = false;                 // the point above it stands over it
+  float slope_ahead = kUnknownSlope;  // to the next point kFlatRun_m or more farther out
 };
 
 // The ground last seen in a column.
@@ -29,26 +33,48 @@ struct Limits {
   float slope, step_m, noise_m, steep;
 };
 
+// Slope from cell `i` outwards, along its column; looks up to six rows up.
+float SlopeAhead(const std::vector<Cell>& cells, size_t i, size_t columns) {
+  const Cell& cell = cells[i];
+  for (size_t up = columns; up <= 6 * columns && up <= i; up += columns) {
+    const Cell& above = cells[i - up];
+    if (above.h == 0.0f) continue;
+    const float run = above.h - cell.h;
+    if (run >= kFlatRun_m) return (above.z - cell.z) / run;
+    if (run < -kFlatRun_m) break;  // something overhangs
+  }
+  return kUnknownSlope;
+}
+
+// Does the nearest point above, at most two rows up (one may have got no return), stand over it?
+bool IsSteep(const std::vector<Cell>& cells, size_t i, size_t columns, const Limits& limits) {
+  for (size_t up = columns; up <= 2 * columns && up <= i; up += columns) {
+    const Cell& above = cells[i - up];
+    if (above.h == 0.0f) continue;
+    const float run = std::abs(above.h - cells[i].h);
+    return above.z - cells[i].z > limits.steep * run + limits.noise_m;
+  }
+  return false;
+}
+
 std::vector<Cell> MakeCells(const SegmentedScan& scan, const Limits& limits) {
   const RangeImage& image = scan.image;
   std::vector<Cell> cells(image.point.size());
   const size_t columns = static_cast<size_t>(image.columns);
-  for (size_t i = 0; i < cells.size(); ++i) {
+  for (size_t i = 0; i < cells.size(); ++i) {  // from the top: those above are known
     if (image.point[i] == RangeImage::kNoPoint) continue;
     const Eigen::Vector3f& p = scan.points[static_cast<size_t>(image.point[i])];
-    Cell& cell = cells[i];
-    cell.h = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    cell.z = p.z();
-    // Nearest point above, at most two rows up: one of them may have got no return.
-    for (size_t up = columns; up <= 2 * columns && up <= i; up += columns) {
-      const Cell& above = cells[i - up];
-      if (above.h == 0.0f) continue;
-      const float rise = above.z - cell.z;
-      cell.steep = rise > limits.steep * std::abs(above.h - cell.h) + limits.noise_m;
-      break;
-    }
+    cells[i].h = std::sqrt(p.x() * p.x() + p.y() * p.y());
+    cells[i].z = p.z();
+    cells[i].steep = IsSteep(cells, i, columns, limits);
+    cells[i].slope_ahead = SlopeAhead(cells, i, columns);
   }
   return cells;
+}
+
+// Does the surface at the point run on like the column's ground?
+bool IsFlat(const Cell& cell, const ColumnGround& ground, const Limits& limits) {
+  return std::abs(cell.slope_ahead - ground.slope) <= limits.slope;
 }
 
 // Does the point continue the column's ground?
@@ -56,6 +82,8 @@ bool Continues(const Cell& cell, const ColumnGround& ground, const Limits& limit
   const float run = cell.h - ground.h;
   if (run < -limits.noise_m) return false;
   const float deviation = cell.z - (ground.z + ground.slope * run);
+  // The top of a kerb is no slope: what matters is how the surface runs on.
+  if (std::abs(deviation) <= limits.step_m && IsFlat(cell, ground, limits)) return true;
   const float tolerance =
       std::min(limits.step_m, limits.slope * std::max(run, 0.0f) + limits.noise_m);
   if (std::abs(deviation) > tolerance) return false;
@@ -69,21 +97,23 @@ bool ContinuesSideways(const SegmentedScan& scan, size_t index, size_t neighbour
   const Eigen::Vector3f d = scan.points[index] - scan.points[neighbour];
   const float run = std::sqrt(d.x() * d.x() + d.y() * d.y());
   if (std::abs(d.z()) > std::min(limits.step_m, limits.slope * run + limits.noise_m)) return false;
+  // Where the column itself has seen the ground a moment ago, it knows better.
+  constexpr float kRecent_m = 2.0f;
   const float ahead = cell.h - ground.h;
+  if (ahead < 0.0f || (ahead < kRecent_m && !IsFlat(cell, ground, limits))) return false;
   const float deviation = cell.z - (ground.z + ground.slope * ahead);
-  return std::abs(deviation) <= limits.step_m + 0.5f * limits.slope * std::max(ahead, 0.0f);
+  return std::abs(deviation) <= limits.step_m + 0.5f * limits.slope * ahead;
 }
 
+// Moves the column's ground on to an accepted point. Not by less than kStride_m: noise on short
+// steps, each within its tolerance, would climb any bank.
 void Advance(const Cell& cell, ColumnGround* ground) {
+  constexpr float kStride_m = 0.4f;
+  constexpr float kSlopeMemory_m = 3.0f;  // a slope over a few metres counts
   const float run = cell.h - ground->h;
-  if (run < 0.2f) {  // too short for a slope; only settle the height
-    ground->z += 0.5f * (cell.z - (ground->z + ground->slope * run)) + ground->slope * run;
-    ground->h = cell.h;
-    return;
-  }
-  // A slope over a few metres counts; shorter runs move it in proportion.
+  if (run < kStride_m) return;
   const float deviation = cell.z - (ground->z + ground->slope * run);
-  const float weight = run / (run + 3.0f);
+  const float weight = run / (run + kSlopeMemory_m);
   ground->slope = std::clamp(ground->slope + weight * deviation / run, -0.5f, 0.5f);
   ground->z = cell.z - 0.3f * deviation * (1.0f - weight);
   ground->h = cell.h;

@@ -16,7 +16,6 @@ std::vector<Eigen::Vector3f> FlatPointsNearby(const SegmentedScan& scan,
   const RangeImage& image = scan.image;
   const float radius_m = static_cast<float>(options.seed_radius_m);
   const float slope = static_cast<float>(std::tan(options.max_seed_tilt_rad));
-  const float noise_m = static_cast<float>(options.height_noise_m);
   std::vector<Eigen::Vector3f> flat;
   for (int row = image.rows / 4; row + 1 < image.rows; ++row) {
     for (int column = 0; column < image.columns; column += 4) {
@@ -24,9 +23,11 @@ std::vector<Eigen::Vector3f> FlatPointsNearby(const SegmentedScan& scan,
       const int32_t lower = image.point[image.Index(row + 1, column)];
       if (upper == RangeImage::kNoPoint || lower == RangeImage::kNoPoint) continue;
       const Eigen::Vector3f& p = scan.points[static_cast<size_t>(upper)];
-      const Eigen::Vector3f d = p - scan.points[static_cast<size_t>(lower)];
-      if (p.head<2>().squaredNorm() > radius_m * radius_m) continue;
-      if (std::abs(d.z()) > slope * d.head<2>().norm() + 0.5f * noise_m) continue;
+      const Eigen::Vector3f& q = scan.points[static_cast<size_t>(lower)];
+      const float h_sq = p.head<2>().squaredNorm();
+      if (h_sq > radius_m * radius_m) continue;
+      const float run = std::sqrt(h_sq) - q.head<2>().norm();
+      if (std::abs(p.z() - q.z()) > slope * run) continue;  // the upper ring lies farther out
       flat.push_back(p);
     }
   }

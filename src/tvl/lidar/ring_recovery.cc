@@ -23,6 +23,19 @@ float StorageSense(const ScanGeometry& geometry) {
   return balance < 0 ? -1.0f : 1.0f;
 }
 
+// A handful of points after the last pass of the start trembled across it: no ring of their own.
+RingAssignment DropStump(RingAssignment out) {
+  constexpr size_t kStump = 5;
+  const uint16_t last = static_cast<uint16_t>(std::max(out.rings_found - 1, 0));
+  size_t begin = out.row.size();
+  while (begin > 0 && out.row[begin - 1] == last) --begin;
+  if (last == 0 || out.row.size() - begin > kStump) return out;
+  std::fill(out.row.begin() + static_cast<std::ptrdiff_t>(begin), out.row.end(),
+            static_cast<uint16_t>(last - 1));
+  --out.rings_found;
+  return out;
+}
+
 // Turn number of each point, from 0, in `row`, and how many there are in `rings_found`.
 RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOptions& options,
                           RingAssignment out) {
@@ -41,7 +54,7 @@ RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOption
       const float step = phase - previous;
       if (step < -tolerance) {
         ++turn;
-      } else if (step > kTwoPi - tolerance && i > 0) {
+      } else if (step > kTwoPi - tolerance) {
         --turn;  // trembling about the start: still the ring before
       }
       previous = phase;
@@ -49,7 +62,7 @@ RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOption
     out.row[i] = static_cast<uint16_t>(std::clamp(turn, 0, 65535));
     out.rings_found = std::max(out.rings_found, turn + 1);
   }
-  return out;
+  return DropStump(std::move(out));
 }
 
 // Median elevation of each ring, from points beyond 8 m where there are enough: nearer ones show

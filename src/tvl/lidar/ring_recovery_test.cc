@@ -1,0 +1,203 @@
+#include "tvl/lidar/ring_recovery.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tvl/base/check.h"
+#include "tvl/lidar/real_scans.h"
+#include "tvl/lidar/test_scene.h"
+
+namespace tvl {
+namespace {
+
+using test::Hdl64;
+using test::SimulatedScan;
+
+RingAssignment Recover(const LidarScan& scan, const LidarModel& model = Hdl64()) {
+  return RecoverRings(scan, ComputeScanGeometry(scan), model, RingRecoveryOptions{});
+}
+
+// A street: ground and two walls, 64 full rings but for the sky.
+SimulatedScan Street() {
+  return test::Scan(
+      {test::Plane({0, 0, 1}, -1.73), test::Plane({0, 1, 0}, 9.0), test::Plane({0, 1, 0}, -8.0),
+       test::Plane({1, 0, 0}, 60.0), test::Plane({1, 0, 0}, -60.0)},
+      Hdl64());
+}
+
+// The scan without the points for which `drop` holds.
+SimulatedScan Without(const SimulatedScan& full,
+                      const std::function<bool(uint16_t ring, float azimuth_rad)>& drop) {
+  SimulatedScan out;
+  for (size_t i = 0; i < full.ring.size(); ++i) {
+    const Eigen::Vector3f& p = full.scan.points[i];
+    if (drop(full.ring[i], std::atan2(p.y(), p.x()))) continue;
+    out.scan.points.push_back(p);
+    out.ring.push_back(full.ring[i]);
+  }
+  return out;
+}
+
+TEST(RingRecovery, FullScanIsOneToOne) {
+  const SimulatedScan street = Street();
+  const RingAssignment rings = Recover(street.scan);
+  EXPECT_EQ(rings.source, RingSource::kOneToOne);
+  EXPECT_EQ(rings.rings_found, 64);
+  EXPECT_EQ(rings.rows, 64);
+  EXPECT_EQ(rings.row, street.ring);
+}
+
+TEST(RingRecovery, PointsMissingAtStartAndEndOfRings) {
+  // As where the own roof hides the lowest rings ahead; different on each ring.
+  const SimulatedScan holes = Without(Street(), [](uint16_t ring, float azimuth) {
+    return (azimuth >= 0.0f && azimuth < 0.03f * static_cast<float>(ring % 20)) ||
+           (azimuth < 0.0f && azimuth > -0.04f * static_cast<float>(ring % 17));
+  });
+  const RingAssignment rings = Recover(holes.scan);
+  EXPECT_EQ(rings.rings_found, 64);
+  EXPECT_EQ(rings.row, holes.ring);
+}
+
+TEST(RingRecovery, MissingRingLeavesItsRowEmpty) {
+  for (const int missing : {0, 1, 17, 31, 32, 50, 63}) {
+    const SimulatedScan fewer =
+        Without(Street(), [&](uint16_t ring, float) { return ring == missing; });
+    const RingAssignment rings = Recover(fewer.scan);
+    EXPECT_EQ(rings.source, RingSource::kAligned);
+    EXPECT_EQ(rings.rings_found, 63);
+    EXPECT_EQ(rings.row, fewer.ring) << "without ring " << missing;
+  }
+}
+
+TEST(RingRecovery, TruncatedFileKeepsTheUpperRows) {
+  const SimulatedScan cut = Without(Street(), [](uint16_t ring, float azimuth) {
+    return ring > 41 || (ring == 41 && azimuth < 0.0f);
+  });
+  const RingAssignment rings = Recover(cut.scan);
+  EXPECT_EQ(rings.rings_found, 42);
+  EXPECT_EQ(rings.rows, 64);
+  EXPECT_EQ(rings.row, cut.ring);
+}
+
+TEST(RingRecovery, BackstepsOfCompensatedScansStayInTheRing) {
+  SimulatedScan street = Street();
+  Rng rng(3);
+  for (size_t i = 0; i < street.ring.size(); ++i) {
+    Eigen::Vector3f& p = street.scan.points[i];
+    const float azimuth = std::atan2(p.y(), p.x());
+    // Trembling by up to 5 deg at the sides and behind, by 0.3 deg straight ahead.
+    const double most = std::abs(azimuth) > 1.0f ? DegToRad(5.0) : DegToRad(0.3);
+    const float turned = azimuth + static_cast<float>(rng.Uniform(-0.5, 0.5) * most);
+    const float h = p.head<2>().norm();
+    p.head<2>() = h * Eigen::Vector2f(std::cos(turned), std::sin(turned));
+  }
+  const RingAssignment rings = Recover(street.scan);
+  EXPECT_EQ(rings.rings_found, 64);
+  int wrong = 0;
+  for (size_t i = 0; i < rings.row.size(); ++i) wrong += rings.row[i] != street.ring[i];
+  EXPECT_LE(wrong, 64 * 2) << "only points that trembled across the very start may be off";
+}
+
+TEST(RingRecovery, ClockwiseStorage) {
+  SimulatedScan street = Street();
+  for (Eigen::Vector3f& p : street.scan.points) p.y() = -p.y();
+  EXPECT_EQ(Recover(street.scan).row, street.ring);
+}
+
+TEST(RingRecovery, PointsThatSayNothingDoNotDisturb) {
+  SimulatedScan street = Street();
+  for (size_t i = 5; i < street.ring.size(); i += 97) street.scan.points[i].setZero();
+  for (size_t i = 7; i < street.ring.size(); i += 97) street.scan.points[i].x() = std::nanf("");
+  const RingAssignment rings = Recover(street.scan);
+  EXPECT_EQ(rings.rings_found, 64);
+  for (size_t i = 0; i < rings.row.size(); ++i) {
+    if (street.scan.points[i].norm() > 0.0f) {  // false for NaN
+      ASSERT_EQ(rings.row[i], street.ring[i]);
+    }
+  }
+}
+
+TEST(RingRecovery, GivenRingsAreUsed) {
+  LidarScan scan;
+  scan.points = {{5, 0, 0}, {5, 1, 0}, {5, -1, 0}};
+  scan.ring = {3, 1, 3};
+  const RingAssignment rings = Recover(scan);
+  EXPECT_EQ(rings.source, RingSource::kGiven);
+  EXPECT_EQ(rings.row, scan.ring);
+  EXPECT_EQ(rings.rings_found, 2);
+  scan.ring = {3, 64, 3};
+  EXPECT_THROW(Recover(scan), InputError);
+  LidarModel unknown = Hdl64();
+  unknown.beam_elevation_rad.clear();
+  EXPECT_EQ(Recover(scan, unknown).rows, 65);
+}
+
+TEST(RingRecovery, OtherOrdersOfStorageAreRefused) {
+  const SimulatedScan street = Street();
+  std::vector<std::pair<float, size_t>> order;  // column after column, as the sensor fires
+  for (size_t i = 0; i < street.ring.size(); ++i) {
+    order.emplace_back(std::atan2(street.scan.points[i].y(), street.scan.points[i].x()), i);
+  }
+  std::stable_sort(order.begin(), order.end());
+  LidarScan scan;
+  for (const auto& [azimuth, i] : order) scan.points.push_back(street.scan.points[i]);
+  EXPECT_THROW(Recover(scan), InputError);
+}
+
+TEST(RingRecovery, EmptyScan) {
+  const RingAssignment rings = Recover(LidarScan{});
+  EXPECT_TRUE(rings.row.empty());
+  EXPECT_EQ(rings.rows, 64);
+}
+
+TEST(AlignRings, CommonOffsetIsFound) {
+  const std::vector<double> beams = Hdl64().beam_elevation_rad;
+  std::vector<double> rings;
+  for (size_t r = 0; r < beams.size(); ++r) {
+    if (r != 20 && r != 40) rings.push_back(beams[r] + DegToRad(0.2));
+  }
+  const RingAlignment alignment = AlignRingsToBeams(rings, beams);
+  EXPECT_NEAR(alignment.offset_rad, DegToRad(0.2), 1e-3);
+  EXPECT_EQ(alignment.row[19], 19);
+  EXPECT_EQ(alignment.row[20], 21);
+  EXPECT_EQ(alignment.row[38], 39);
+  EXPECT_EQ(alignment.row[39], 41);
+}
+
+TEST(AlignRings, SplitRingSharesItsRow) {
+  const std::vector<double> beams = Hdl64().beam_elevation_rad;
+  std::vector<double> rings = beams;
+  rings.insert(rings.begin() + 10, rings[10]);
+  const RingAlignment alignment = AlignRingsToBeams(rings, beams);
+  EXPECT_EQ(alignment.row[10], 10);
+  EXPECT_EQ(alignment.row[11], 10);
+  EXPECT_EQ(alignment.row[64], 63);
+}
+
+TEST(RingRecovery, RealScansHave64Rings) {
+  const std::string data = test::TestData();
+  if (data.empty()) GTEST_SKIP() << "TVL_TEST_DATA is not set";
+  for (const char* name :
+       {"kitti360_3000/velodyne/000020.bin", "kitti_2011_09_26_0052/velodyne/000007.bin",
+        "kitti_odometry_00_first10/velodyne/000003.bin"}) {
+    const LidarScan scan = test::ReadKittiScan(data + "/sequences/" + name);
+    const RingAssignment rings = Recover(scan);
+    EXPECT_EQ(rings.rings_found, 64) << name;
+    // The median elevation falls from ring to ring: no ring was split or joined.
+    std::vector<std::vector<float>> elevation(64);
+    for (size_t i = 0; i < scan.size(); ++i) {
+      const Eigen::Vector3f& p = scan.points[i];
+      elevation[rings.row[i]].push_back(std::atan2(p.z(), p.head<2>().norm()));
+    }
+    float above = 1.0f;
+    for (std::vector<float>& e : elevation) {
+      std::nth_element(e.begin(), e.begin() + static_cast<std::ptrdiff_t>(e.size() / 2), e.end());
+      EXPECT_LT(e[e.size() / 2], above) << name;
+      above = e[e.size() / 2];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tvl
