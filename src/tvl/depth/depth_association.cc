@@ -61,11 +61,11 @@ double Square(double v) { return v * v; }
 // What the foreground's plane says about the ray.
 VisualDepth Intersect(const LocalPlane& plane, const DepthRange& range, const Eigen::Vector2d& ray,
                       double focal_px, const LidarModel& lidar, const DepthOptions& options) {
+  const double sin_a = plane.SinIncidence(ray);
   const double spread_m = range.max_m - range.min_m;
-  if (spread_m > options.max_spread_m && plane.rms_m > options.max_plane_rms_m) {
+  if (spread_m > options.max_spread_m && plane.rms_m > sin_a * options.max_ray_rms * range.min_m) {
     return {DepthStatus::kSpread};
   }
-  const double sin_a = plane.SinIncidence(ray);
   if (sin_a < std::sin(options.min_incidence_rad)) return {DepthStatus::kGrazing};
   const double depth_m = 1.0 / plane.InverseDepth(ray);
   if (!(depth_m > 0.0)) return {DepthStatus::kBehind};
@@ -118,8 +118,7 @@ void DepthOptions::Check() const {
   TVL_CHECK_INPUT(least_squares_points >= 3)
       << "least_squares_points: must be at least 3, is " << least_squares_points;
   TVL_CHECK_INPUT(max_spread_m > 0.0) << "max_spread_m: must be positive, is " << max_spread_m;
-  TVL_CHECK_INPUT(max_plane_rms_m > 0.0)
-      << "max_plane_rms_m: must be positive, is " << max_plane_rms_m;
+  TVL_CHECK_INPUT(max_ray_rms > 0.0) << "max_ray_rms: must be positive, is " << max_ray_rms;
   TVL_CHECK_INPUT(min_incidence_rad >= 0.0 && min_incidence_rad < 0.5 * kPi)
       << "min_incidence_rad: must lie in 0..pi/2, is " << min_incidence_rad;
   TVL_CHECK_INPUT(max_extrapolation >= 0.0)

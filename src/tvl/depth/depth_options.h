@@ -25,9 +25,11 @@ struct DepthOptions {
   // Foreground points from which on the plane is fitted to all by least squares; with fewer through
   // the corners of the largest triangle. A huge number gives the paper's three-point fit.
   int least_squares_points = 5;
-  // A foreground deeper than this that is no plane either (the second) mixes surfaces.
+  // A foreground deeper than the first whose points lie off its plane, along the ray, by more than
+  // the second (rms, share of the depth) mixes surfaces. Depth alone says nothing: far ground
+  // spreads over metres and is a plane.
   double max_spread_m = 2.0;
-  double max_plane_rms_m = 0.10;
+  double max_ray_rms = 0.05;
   // Least angle between ray and plane. Grazing planes are carried as uncertain (sigma) instead of
   // dropped: the paper's 10 deg drops all ground beyond 9.4 m.
   double min_incidence_rad = DegToRad(3.5);

@@ -49,9 +49,9 @@ LocalPlane Solve(const std::vector<ProjectedPoint>& points, const std::vector<do
   double sum = 0.0;
   for (size_t i = 0; i < points.size(); ++i) {
     const double d = Distance_m(plane, points[i]);
-    sum += weight[i] * d * d;
+    sum += d * d;
   }
-  plane.rms_m = std::sqrt(sum / total);
+  plane.rms_m = std::sqrt(sum / static_cast<double>(points.size()));
   return plane;
 }
 

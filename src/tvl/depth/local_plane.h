@@ -16,7 +16,7 @@ namespace tvl {
 struct LocalPlane {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
   bool valid = false;  // false: the points span no plane
-  double rms_m = 0.0;  // of the points' distances to the plane
+  double rms_m = 0.0;  // of all the points' distances to the plane, unweighted
   // Variance of the inverse depth at (x, y) is s^2 (x, y, 1) C (x, y, 1)^T for points of inverse
   // depth variance s^2. Relative to `centre`, where it is well conditioned.
   Eigen::Matrix3d cofactor = Eigen::Matrix3d::Zero();
