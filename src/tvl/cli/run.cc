@@ -41,10 +41,10 @@ void Run(const RunArguments& arguments) {
   DatasetSource source(*dataset);
   const RunResult result = RunSlam(source, options, [](const FrameResult& frame) {
     std::cout << frame.id << " " << frame.T_world_lidar.t().transpose() << " odo "
-              << frame.odometry.T_ref_body.t().transpose() << " p " << frame.odometry.evidence.planes
-              << " e " << frame.odometry.evidence.edges << " v " << frame.odometry.evidence.visual
-              << " it " << frame.odometry.evidence.iterations << " map p "
-              << frame.map_step.estimate.evidence.planes << " e "
+              << frame.odometry.T_ref_body.t().transpose() << " p "
+              << frame.odometry.evidence.planes << " e " << frame.odometry.evidence.edges << " v "
+              << frame.odometry.evidence.visual << " it " << frame.odometry.evidence.iterations
+              << " map p " << frame.map_step.estimate.evidence.planes << " e "
               << frame.map_step.estimate.evidence.edges << " v "
               << frame.map_step.estimate.evidence.visual << " it "
               << frame.map_step.estimate.evidence.iterations << " rms "
@@ -63,8 +63,8 @@ void Run(const RunArguments& arguments) {
   WriteKittiPoses(arguments.out + "/trajectory_kitti.txt",
                   ToKittiPoses(trajectory, dataset->setup().calibration.T_cam0_lidar));
   WriteTumTrajectory(arguments.out + "/trajectory_tum.txt", trajectory);
-  std::cout << "deskew " << ToString(result.deskew.deskew) << " "
-            << ToString(result.deskew.verdict) << " " << result.deskew.reason << "\n";
+  std::cout << "deskew " << ToString(result.deskew.deskew) << " " << ToString(result.deskew.verdict)
+            << " " << result.deskew.reason << "\n";
 }
 
 }  // namespace

@@ -23,16 +23,16 @@ ReprojectionMatch LandmarkMap::MakeMatch(const Landmark& landmark, const Feature
                                          size_t source, const Rigid3d& T_world_lidar) const {
   const Rigid3d T_cam_world = calibration_.T_cam_lidar * T_world_lidar.Inverse();
   const Eigen::Vector3d p_cam = T_cam_world * landmark.p_world;
-  const double sigma_px =
-      std::hypot(options_.sigma_px, options_.drift_px * std::sqrt(static_cast<double>(landmark.age)));
+  const double sigma_px = std::hypot(
+      options_.sigma_px, options_.drift_px * std::sqrt(static_cast<double>(landmark.age)));
   ReprojectionMatch match;
   match.factor = {landmark.p_world, track.ray_cam};
   match.source = source;
   match.information = Eigen::Matrix2d::Zero();
   if (p_cam.z() > kMinProjectionDepth_m) {
-    match.information = RayInformation(sigma_px / calibration_.camera.fx_px,
-                                       ProjectionJacobian(p_cam) * T_cam_world.R(),
-                                       landmark.covariance_m2);
+    match.information =
+        RayInformation(sigma_px / calibration_.camera.fx_px,
+                       ProjectionJacobian(p_cam) * T_cam_world.R(), landmark.covariance_m2);
   }
   return match;
 }
@@ -53,9 +53,8 @@ LandmarkMap::Landmark LandmarkMap::Anchor(const FeatureTrack& track, const Visua
   const Rigid3d T_world_cam = T_world_lidar * calibration_.T_cam_lidar.Inverse();
   const Eigen::Vector3d ray = track.ray_cam.homogeneous();
   const double across_m = depth.depth_m * options_.sigma_px / calibration_.camera.fx_px;
-  const Eigen::Matrix3d covariance_cam =
-      across_m * across_m * Eigen::Matrix3d::Identity() +
-      depth.sigma_m * depth.sigma_m * ray * ray.transpose();
+  const Eigen::Matrix3d covariance_cam = across_m * across_m * Eigen::Matrix3d::Identity() +
+                                         depth.sigma_m * depth.sigma_m * ray * ray.transpose();
   Landmark landmark;
   landmark.p_world = T_world_cam * (depth.depth_m * ray);
   landmark.covariance_m2 = T_world_cam.R() * covariance_cam * T_world_cam.R().transpose();
@@ -77,8 +76,8 @@ void LandmarkMap::Update(const FeatureTracks& tracks, const VisualDepths& depths
     }
     Landmark landmark = found->second;
     ++landmark.age;
-    const double chi2 = Chi2(MakeMatch(landmark, track, i, T_world_lidar), T_world_lidar,
-                             calibration_.T_cam_lidar);
+    const double chi2 =
+        Chi2(MakeMatch(landmark, track, i, T_world_lidar), T_world_lidar, calibration_.T_cam_lidar);
     landmark.rejections = chi2 > options_.gate_chi2 ? landmark.rejections + 1 : 0;
     if (landmark.rejections > options_.max_rejections) continue;
     if (has_depth && depths[i].sigma_m < options_.reanchor_share * landmark.depth_sigma_m) {

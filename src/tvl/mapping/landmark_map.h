@@ -13,12 +13,12 @@
 namespace tvl {
 
 struct LandmarkOptions {
-  double sigma_px = 0.6;           // of a tracked corner, one standard deviation
-  double drift_px = 0.05;          // a track leaves its first patch by this each frame (random walk)
-  double max_relative_sigma = 0.1; // of the depth: vaguer points are not made landmarks
-  double reanchor_share = 0.6;     // a new depth replaces the old point if its sigma is this share
-  double gate_chi2 = 16.0;         // 4 sigma: beyond, the observation is not believed
-  int max_rejections = 2;          // in a row: then the landmark moves, or never was a point
+  double sigma_px = 0.6;   // of a tracked corner, one standard deviation
+  double drift_px = 0.05;  // a track leaves its first patch by this each frame (random walk)
+  double max_relative_sigma = 0.1;  // of the depth: vaguer points are not made landmarks
+  double reanchor_share = 0.6;      // a new depth replaces the old point if its sigma is this share
+  double gate_chi2 = 16.0;          // 4 sigma: beyond, the observation is not believed
+  int max_rejections = 2;           // in a row: then the landmark moves, or never was a point
   void Check() const;
 };
 

@@ -30,7 +30,8 @@ std::vector<Eigen::Vector3f> Thin(const std::vector<Eigen::Vector3f>& points, do
 
 // Variance of a residual: scatter of the surface, the point's own noise, and the error of the
 // surfel's normal at the lever arm to its mean.
-double PlaneInformation(const Surfel& surfel, const Eigen::Vector3d& p_world, double sensor_sigma_m) {
+double PlaneInformation(const Surfel& surfel, const Eigen::Vector3d& p_world,
+                        double sensor_sigma_m) {
   const double lever_sq = (p_world - surfel.mean).squaredNorm();
   const double variance =
       surfel.thickness_sq_m2 * (1.0 + lever_sq / (surfel.count * surfel.extent_sq_m2)) +
@@ -104,17 +105,29 @@ class Refiner {
       : T_cam_lidar_(T_cam_lidar), prior_(prior), options_(options), executor_(executor) {}
 
   LaserSum Laser(const Problem& problem, const Rigid3d& T) const {
-    return Linearize(problem.laser, T, SweepBins::Compensated(), options_.kernel_sigmas,
-                     executor_);
+    return Linearize(problem.laser, T, SweepBins::Compensated(), options_.kernel_sigmas, executor_);
   }
   VisualSum Visual(const Problem& problem, const Rigid3d& T) const {
     return Linearize(problem.visual, T, T_cam_lidar_, options_.visual_kernel_sigmas);
   }
-  NormalEquations All(const Problem& problem, const Rigid3d& T) const {
+  NormalEquations WithoutCamera(const Problem& problem, const Rigid3d& T) const {
     NormalEquations sum = Masked(Laser(problem, T).normal, problem.lidar_mask);
-    sum += Visual(problem, T).normal;
     sum += PriorTerm(prior_, options_.prior_share, T);
     return sum;
+  }
+  NormalEquations All(const Problem& problem, const Rigid3d& T) const {
+    NormalEquations sum = WithoutCamera(problem, T);
+    sum += Visual(problem, T).normal;
+    return sum;
+  }
+  // The landmarks that agree with what laser and prior say near T.
+  VisualMatches GateVisual(const Problem& problem, const Rigid3d& T) const {
+    PoseSolverOptions solver;
+    solver.max_iterations = 2;
+    const PoseSolution alone = SolvePose(
+        T, [&](const Rigid3d& at) { return WithoutCamera(problem, at); }, solver);
+    const Matrix6d covariance = HonestCovariance(alone.at_T.H, prior_.step_m, options_.covariance);
+    return Gate(problem.visual, alone.T, T_cam_lidar_, covariance, options_.visual_gate_sigmas);
   }
   PoseSolution Solve(const Problem& problem, const Rigid3d& T) const {
     PoseSolverOptions solver;
@@ -183,6 +196,7 @@ ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
     weakness = AnalyseWeakness(refiner.Laser(problem, T), refiner.Visual(problem, T).normal,
                                options.weakness);
     problem.lidar_mask = weakness.lidar_mask;
+    if (options.use_camera) problem.visual = refiner.GateVisual(problem, T);
     const PoseSolution solution = refiner.Solve(problem, T);
     const Vector6d step = (T.Inverse() * solution.T).Log();
     T = solution.T;

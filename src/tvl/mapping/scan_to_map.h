@@ -3,8 +3,8 @@
 #pragma once
 
 #include "tvl/base/parallel.h"
-#include "tvl/frame/motion_estimate.h"
 #include "tvl/frame/laser_features.h"
+#include "tvl/frame/motion_estimate.h"
 #include "tvl/mapping/landmark_map.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/registration/covariance.h"
@@ -13,16 +13,17 @@
 namespace tvl {
 
 struct ScanToMapOptions {
-  double source_voxel_m = 0.5;     // thinning of F_lf before matching: even coverage, constant cost
-  double sensor_sigma_m = 0.03;    // of a point across a surface; range noise and beam bias
-  double edge_sigma_m = 0.10;      // of a point across an edge: edges are where beams happen to hit
-  double kernel_sigmas = 2.0;      // Cauchy
+  double source_voxel_m = 0.5;   // thinning of F_lf before matching: even coverage, constant cost
+  double sensor_sigma_m = 0.03;  // of a point across a surface; range noise and beam bias
+  double edge_sigma_m = 0.10;    // of a point across an edge: edges are where beams happen to hit
+  double kernel_sigmas = 2.0;    // Cauchy
   double visual_kernel_sigmas = 2.0;  // Huber
-  int max_refreshes = 6;           // of the correspondences
-  double first_gate_m = 1.0;       // matches further off are dropped; halved each refresh ...
-  double last_gate_m = 0.25;       // ... down to this
+  double visual_gate_sigmas = 3.0;    // of landmarks against laser and prior
+  int max_refreshes = 6;              // of the correspondences
+  double first_gate_m = 1.0;          // matches further off are dropped; halved each refresh ...
+  double last_gate_m = 0.25;          // ... down to this
   double stop_rotation_rad = 2e-5, stop_translation_m = 5e-4;  // step that ends the refreshes
-  int min_matches = 60;            // fewer laser and visual residuals: not an estimate
+  int min_matches = 60;  // fewer laser and visual residuals: not an estimate
   // The prior counts for this share of its information: camera and laser are in it already.
   double prior_share = 0.25;
   bool use_camera = true;
@@ -35,11 +36,11 @@ struct ScanToMapOptions {
 struct PosePrior {
   Rigid3d T_world_lidar;
   Matrix6d covariance = Matrix6d::Identity();  // right perturbation, body
-  double step_m = 0.0;                          // length of the step it stands for
+  double step_m = 0.0;                         // length of the step it stands for
 };
 
 struct ScanToMapResult {
-  MotionEstimate estimate;  // T_ref_body = T_world_lidar
+  MotionEstimate estimate;                               // T_ref_body = T_world_lidar
   double translation_ratio = 1.0, rotation_ratio = 1.0;  // of Weakness
 };
 

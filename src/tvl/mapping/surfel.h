@@ -15,8 +15,8 @@ struct PointMoments {
 
   // `sign` is +1 to add, -1 to take away.
   void Add(const Eigen::Vector3d& p_centred_m, int sign);
-  Eigen::Vector3d MeanCentred_m() const;      // count > 0
-  Eigen::Matrix3d Covariance_m2() const;      // of the points (not of their mean); count > 0
+  Eigen::Vector3d MeanCentred_m() const;  // count > 0
+  Eigen::Matrix3d Covariance_m2() const;  // of the points (not of their mean); count > 0
 };
 
 enum class SurfelKind : uint8_t { kNone, kPlane, kLine };

@@ -52,17 +52,16 @@ std::vector<uint32_t> Neighbourhood(const RingCloud& cloud, uint32_t i, int own_
 }
 
 bool SpansRings(const RingCloud& cloud, const std::vector<uint32_t>& members) {
-  return std::any_of(members.begin(), members.end(), [&](uint32_t m) {
-    return cloud.ring(m) != cloud.ring(members.front());
-  });
+  return std::any_of(members.begin(), members.end(),
+                     [&](uint32_t m) { return cloud.ring(m) != cloud.ring(members.front()); });
 }
 
 }  // namespace
 
 RingCloud::RingCloud(std::vector<Eigen::Vector3f> points,
                      const std::vector<LaserFeature>& features) {
-  TVL_CHECK(points.size() == features.size()) << points.size() << " points, " << features.size()
-                                              << " features";
+  TVL_CHECK(points.size() == features.size())
+      << points.size() << " points, " << features.size() << " features";
   ring_.reserve(points.size());
   for (uint32_t i = 0; i < points.size(); ++i) {
     const uint16_t ring = features[i].ring;

@@ -22,7 +22,9 @@ class RingCloud {
   const Eigen::Vector3f& point(uint32_t i) const { return index_.points()[i]; }
   uint16_t ring(uint32_t i) const { return ring_[i]; }
   // Nearest point to p: at most one neighbour is written; returns how many.
-  size_t Nearest(const Eigen::Vector3f& p, Neighbour* out) const { return index_.Nearest(p, 1, out); }
+  size_t Nearest(const Eigen::Vector3f& p, Neighbour* out) const {
+    return index_.Nearest(p, 1, out);
+  }
   // Appends to `out` the at most `count` points of `ring` nearest to p in azimuth and no further
   // than max_distance_m from it.
   void NearestInRing(int ring, const Eigen::Vector3f& p, int count, float max_distance_m,

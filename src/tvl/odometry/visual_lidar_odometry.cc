@@ -39,12 +39,34 @@ struct VisualLidarOdometry::Problem {
     n.cost = 0.5 * residual.r.dot(information.asDiagonal() * residual.r);
     return n;
   }
+  NormalEquations WithoutCamera(const Rigid3d& T) const {
+    NormalEquations sum = Masked(Laser(T).normal, lidar_mask);
+    sum += Prior(T);
+    return sum;
+  }
+  // Drops the visual matches that contradict what laser and prior say near T.
+  void GateVisual(const Rigid3d& T) {
+    PoseSolverOptions solver;
+    solver.max_iterations = 2;
+    const PoseSolution alone = SolvePose(
+        T, [&](const Rigid3d& at) { return WithoutCamera(at); }, solver);
+    const Matrix6d covariance =
+        HonestCovariance(alone.at_T.H, alone.T.t().norm(), options.covariance);
+    visual = Gate(visual, alone.T, T_cam_lidar, covariance, options.visual_gate_sigmas);
+  }
   NormalEquations All(const Rigid3d& T) const {
     NormalEquations sum = Masked(Laser(T).normal, lidar_mask);
     sum += Visual(T).normal;
     sum += Prior(T);
     return sum;
   }
+};
+
+// Where an estimate begins.
+struct VisualLidarOdometry::Start {
+  Rigid3d T_prev_cur;
+  bool is_predicted;  // from a known velocity: serves as prior, too
+  bool use_camera;
 };
 
 struct VisualLidarOdometry::Candidate {
@@ -77,9 +99,9 @@ void VisualLidarOdometry::Advance(const PreprocessedFrame& frame,
                                   std::vector<Eigen::Vector3f> planes) {
   matcher_.reset();
   if (frame.has_scan) {
-    matcher_ = std::make_unique<LaserMatcher>(
-        RingCloud(std::move(edges), frame.features.less_sharp),
-        RingCloud(std::move(planes), frame.features.less_flat));
+    matcher_ =
+        std::make_unique<LaserMatcher>(RingCloud(std::move(edges), frame.features.less_sharp),
+                                       RingCloud(std::move(planes), frame.features.less_flat));
   }
   previous_visual_ = {frame.tracks, frame.depths};
 }
@@ -98,32 +120,42 @@ double VisualLidarOdometry::Score(const PreprocessedFrame& frame, const Problem&
   return (cost + kUnmatchedCost * std::max(0.0, features - matched)) / std::max(1.0, features);
 }
 
-VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(
-    const PreprocessedFrame& frame, const Rigid3d& start, bool known, const SweepBins& bins,
-    double period_s, const Executor& executor) {
-  Problem problem{options_, calibration_.T_cam_lidar, bins, executor, start, known, {}, {}, {}};
+VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(const PreprocessedFrame& frame,
+                                                                 const Start& start,
+                                                                 const SweepBins& bins,
+                                                                 double period_s,
+                                                                 const Executor& executor) {
+  Problem problem{options_,
+                  calibration_.T_cam_lidar,
+                  bins,
+                  executor,
+                  start.T_prev_cur,
+                  start.is_predicted,
+                  {},
+                  {},
+                  {}};
   const VisualFeatures current{frame.tracks, frame.depths};
-  Rigid3d T = start;
+  Rigid3d T = start.T_prev_cur;
   Weakness weakness;
   Candidate candidate;
   candidate.estimate.status = EstimateStatus::kNotConverged;
-  double gate_m = known ? options_.first_gate_m : 2.0 * options_.first_gate_m;
+  double gate_m = options_.first_gate_m * (start.is_predicted ? 1.0 : 2.0);
   for (int i = 0; i < options_.max_refreshes; ++i) {
     if (matcher_ != nullptr && frame.has_scan) {
       const SweepFeatures features = PrepareSweep(frame.features, bins, period_s, T);
       problem.laser = matcher_->Match(features, bins, T, gate_m, options_.laser);
     }
-    if (options_.use_camera) {
-      problem.visual =
-          MatchVisual(previous_visual_, current, calibration_, T, options_.visual);
+    if (options_.use_camera && start.use_camera) {
+      problem.visual = MatchVisual(previous_visual_, current, calibration_, T, options_.visual);
     }
     if (problem.size() < static_cast<size_t>(options_.min_matches)) break;
     weakness = AnalyseWeakness(problem.Laser(T), problem.Visual(T).normal, options_.weakness);
     problem.lidar_mask = weakness.lidar_mask;
+    problem.GateVisual(T);
     PoseSolverOptions solver;
     solver.max_iterations = 3;
-    const PoseSolution solution =
-        SolvePose(T, [&](const Rigid3d& at) { return problem.All(at); }, solver);
+    const PoseSolution solution = SolvePose(
+        T, [&](const Rigid3d& at) { return problem.All(at); }, solver);
     const Vector6d step = (T.Inverse() * solution.T).Log();
     T = solution.T;
     candidate.score = Score(frame, problem, solution.at_T.cost);
@@ -144,7 +176,7 @@ VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(
   estimate.covariance = HonestCovariance(problem.All(T).H, T.t().norm(), options_.covariance);
   if (problem.size() < static_cast<size_t>(options_.min_matches)) {
     estimate.status = EstimateStatus::kPredicted;
-    estimate.T_ref_body = start;
+    estimate.T_ref_body = start.T_prev_cur;
     candidate.score = 1e9;
   }
   return candidate;
@@ -154,16 +186,18 @@ MotionEstimate VisualLidarOdometry::Estimate(const PreprocessedFrame& frame,
                                              const MotionGuess& guess, const SweepBins& bins,
                                              double period_s, const Executor& executor) {
   if (guess.known) {
-    return EstimateFrom(frame, guess.T_prev_cur, true, bins, period_s, executor).estimate;
+    return EstimateFrom(frame, {guess.T_prev_cur, true, true}, bins, period_s, executor).estimate;
   }
+  // Laser alone first: without a known motion nothing tells features on moving cars from others.
   constexpr double kStartSpacing_m = 0.75;  // half of the first gate
-  Candidate best = EstimateFrom(frame, Rigid3d(), false, bins, period_s, executor);
+  Candidate best = EstimateFrom(frame, {Rigid3d(), false, false}, bins, period_s, executor);
   for (double x = kStartSpacing_m; x <= options_.max_start_step_m; x += kStartSpacing_m) {
-    Candidate other = EstimateFrom(frame, Rigid3d::Translation(x, 0.0, 0.0), false, bins,
-                                   period_s, executor);
+    const Start start{Rigid3d::Translation(x, 0.0, 0.0), false, false};
+    Candidate other = EstimateFrom(frame, start, bins, period_s, executor);
     if (other.score < best.score) best = std::move(other);
   }
-  return best.estimate;
+  const Start start{best.estimate.T_ref_body, false, true};
+  return EstimateFrom(frame, start, bins, period_s, executor).estimate;
 }
 
 }  // namespace tvl

@@ -17,9 +17,10 @@ namespace tvl {
 struct OdometryOptions {
   LaserMatchOptions laser;
   VisualMatchOptions visual;
-  double kernel_sigmas = 2.0;         // laser, Cauchy
-  double visual_kernel_sigmas = 2.0;  // Huber
-  int max_refreshes = 5;              // of the correspondences
+  double kernel_sigmas = 2.0;                    // laser, Cauchy
+  double visual_kernel_sigmas = 2.0;             // Huber
+  double visual_gate_sigmas = 3.0;               // of visual matches against laser and prior
+  int max_refreshes = 5;                         // of the correspondences
   double first_gate_m = 1.5, last_gate_m = 0.5;  // of laser matches; halved each refresh
   double stop_rotation_rad = 5e-5, stop_translation_m = 1e-3;
   int min_matches = 60;  // fewer laser and visual residuals: not an estimate
@@ -44,7 +45,9 @@ class VisualLidarOdometry {
  public:
   VisualLidarOdometry(const Calibration& calibration, const OdometryOptions& options);
 
-  bool has_previous() const { return matcher_ != nullptr || !previous_visual_.tracks.tracks.empty(); }
+  bool has_previous() const {
+    return matcher_ != nullptr || !previous_visual_.tracks.tracks.empty();
+  }
 
   // T_prev_cur of `frame` against the frame last given to Advance. `period_s` is the time between
   // the two; `bins` says whether scans are raw.
@@ -61,10 +64,11 @@ class VisualLidarOdometry {
 
  private:
   struct Problem;
+  struct Start;
   struct Candidate;
   static double Score(const PreprocessedFrame& frame, const Problem& problem, double cost);
-  Candidate EstimateFrom(const PreprocessedFrame& frame, const Rigid3d& start, bool known,
-                         const SweepBins& bins, double period_s, const Executor& executor);
+  Candidate EstimateFrom(const PreprocessedFrame& frame, const Start& start, const SweepBins& bins,
+                         double period_s, const Executor& executor);
 
   Calibration calibration_;
   OdometryOptions options_;

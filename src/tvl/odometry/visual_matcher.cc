@@ -35,7 +35,8 @@ class Builder {
     const Point point = Lift(before, depth);
     const Eigen::Vector3d p_now = T_camprev_cam_.Inverse() * point.p_cam;
     if (p_now.z() < kMinProjectionDepth_m) return;
-    const Eigen::Matrix<double, 2, 3> J = ProjectionJacobian(p_now) * T_camprev_cam_.R().transpose();
+    const Eigen::Matrix<double, 2, 3> J =
+        ProjectionJacobian(p_now) * T_camprev_cam_.R().transpose();
     matches_.forward.push_back({{T_lidar_cam_ * point.p_cam, now.ray_cam},
                                 RayInformation(sigma_, J, point.covariance_m2),
                                 0});
@@ -50,9 +51,9 @@ class Builder {
   }
   void AddEpipolar(const FeatureTrack& before, const FeatureTrack& now) {
     if (!baseline_) return;
-    matches_.epipolar.push_back({{now.ray_cam.homogeneous().normalized(),
-                                  before.ray_cam.homogeneous().normalized()},
-                                 1.0 / (2.0 * sigma_ * sigma_)});
+    matches_.epipolar.push_back(
+        {{now.ray_cam.homogeneous().normalized(), before.ray_cam.homogeneous().normalized()},
+         1.0 / (2.0 * sigma_ * sigma_)});
   }
   VisualMatches Take() { return std::move(matches_); }
 

@@ -10,9 +10,9 @@
 namespace tvl {
 
 struct VisualMatchOptions {
-  double sigma_px = 0.5;            // of the flow between two images
-  double max_relative_sigma = 0.15; // of a depth: vaguer depths count as none
-  double min_baseline_m = 0.15;     // shorter: epipolar planes are undefined
+  double sigma_px = 0.5;             // of the flow between two images
+  double max_relative_sigma = 0.15;  // of a depth: vaguer depths count as none
+  double min_baseline_m = 0.15;      // shorter: epipolar planes are undefined
   void Check() const;
 };
 

@@ -32,7 +32,44 @@ void AddProjections(const std::vector<Match>& matches, const Rigid3d& T_ref_body
   }
 }
 
+// Squared Mahalanobis distance of a residual under its own noise and the motion's.
+template <int N>
+double Innovation(const Residual<N>& residual, const Eigen::Matrix<double, N, N>& information,
+                  const Matrix6d& covariance) {
+  const Eigen::Matrix<double, N, N> S = Eigen::Matrix<double, N, N>(information.inverse()) +
+                                        residual.J * covariance * residual.J.transpose();
+  return residual.r.dot(S.inverse() * residual.r);
+}
+
+template <typename Match>
+std::vector<Match> GateProjections(const std::vector<Match>& matches, const Rigid3d& T_ref_body,
+                                   const Rigid3d& T_cam_body, const Matrix6d& covariance,
+                                   double max_chi2) {
+  std::vector<Match> kept;
+  for (const Match& match : matches) {
+    const ProjectedResidual residual = Evaluate(match.factor, T_ref_body, T_cam_body);
+    if (residual.depth_m < kMinProjectionDepth_m) continue;
+    if (Innovation<2>(residual, match.information, covariance) < max_chi2) kept.push_back(match);
+  }
+  return kept;
+}
+
 }  // namespace
+
+VisualMatches Gate(const VisualMatches& matches, const Rigid3d& T_ref_body,
+                   const Rigid3d& T_cam_body, const Matrix6d& covariance, double gate_sigmas) {
+  const double max_chi2 = gate_sigmas * gate_sigmas;
+  VisualMatches kept;
+  kept.forward = GateProjections(matches.forward, T_ref_body, T_cam_body, covariance, max_chi2);
+  kept.inverse = GateProjections(matches.inverse, T_ref_body, T_cam_body, covariance, max_chi2);
+  const Matrix6d Ad_cam_body = T_cam_body.Adjoint();
+  for (const EpipolarMatch& match : matches.epipolar) {
+    const Residual<1> residual = Evaluate(match.factor, T_ref_body, T_cam_body, Ad_cam_body);
+    const Eigen::Matrix<double, 1, 1> information(match.information);
+    if (Innovation<1>(residual, information, covariance) < max_chi2) kept.epipolar.push_back(match);
+  }
+  return kept;
+}
 
 VisualSum Linearize(const VisualMatches& matches, const Rigid3d& T_ref_body,
                     const Rigid3d& T_cam_body, double kernel_sigmas) {

@@ -45,6 +45,12 @@ struct VisualSum {
 VisualSum Linearize(const VisualMatches& matches, const Rigid3d& T_ref_body,
                     const Rigid3d& T_cam_body, double kernel_sigmas);
 
+// The matches that agree with a motion known without the camera: T_ref_body with covariance
+// `covariance` (right perturbation). A residual must lie within `gate_sigmas` of its own noise and
+// that of the motion together: features on moving cars do not, however many they are.
+VisualMatches Gate(const VisualMatches& matches, const Rigid3d& T_ref_body,
+                   const Rigid3d& T_cam_body, const Matrix6d& covariance, double gate_sigmas);
+
 // Whitened squared residual of one match at T; infinite behind the camera. For gating.
 double Chi2(const ReprojectionMatch& match, const Rigid3d& T_ref_body, const Rigid3d& T_cam_body);
 

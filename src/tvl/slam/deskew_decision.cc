@@ -68,18 +68,24 @@ double Mean(const std::vector<double>& values) {
 
 const char* ToString(DeskewVerdict verdict) {
   switch (verdict) {
-    case DeskewVerdict::kGiven: return "given";
-    case DeskewVerdict::kDecided: return "decided";
-    case DeskewVerdict::kUndecided: return "undecided";
+    case DeskewVerdict::kGiven:
+      return "given";
+    case DeskewVerdict::kDecided:
+      return "decided";
+    case DeskewVerdict::kUndecided:
+      return "undecided";
   }
   return "unknown";
 }
 
 const char* ToString(Deskew deskew) {
   switch (deskew) {
-    case Deskew::kNone: return "none";
-    case Deskew::kClockwise: return "cw";
-    case Deskew::kCounterClockwise: return "ccw";
+    case Deskew::kNone:
+      return "none";
+    case Deskew::kClockwise:
+      return "cw";
+    case Deskew::kCounterClockwise:
+      return "ccw";
   }
   return "unknown";
 }

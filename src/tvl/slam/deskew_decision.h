@@ -20,8 +20,8 @@ const char* ToString(DeskewVerdict verdict);
 const char* ToString(Deskew deskew);  // none, cw, ccw
 
 struct DeskewDecisionOptions {
-  int max_frames = 30;         // looked at, at most
-  int min_informative = 8;     // frames that must tell the answers apart
+  int max_frames = 30;      // looked at, at most
+  int min_informative = 8;  // frames that must tell the answers apart
   // A frame tells something if a point at the end of the sweep moves by more than this against its
   // middle: half a step, or half a turn's angle at 20 m.
   double min_shift_m = 0.15;

@@ -38,8 +38,8 @@ void Preprocessor::ProcessImage(const SensorFrame& frame, const PredictedMotion&
   const Rigid3d& T_cam_lidar = setup_.calibration.T_cam_lidar;
   const Rigid3d T_cur_prev_cam =
       T_cam_lidar * predicted.T_prev_cur.Inverse() * T_cam_lidar.Inverse();
-  const PixelPredictions expected = PredictPixels(previous_tracks_, previous_depths_,
-                                                  T_cur_prev_cam, setup_.calibration.camera);
+  const PixelPredictions expected =
+      PredictPixels(previous_tracks_, previous_depths_, T_cur_prev_cam, setup_.calibration.camera);
   out->tracks = tracker_.Track(frame.image, setup_.calibration.camera, expected);
   out->has_image = out->tracks.status != TrackingStatus::kNoImage;
   times->vision_ms += watch.ElapsedMs();
@@ -63,10 +63,9 @@ VisualDepths Preprocessor::FindDepths(const PreprocessedFrame& frame,
   }
   const auto& lidar = setup_.lidar;
   std::vector<Eigen::Vector3f> points =
-      deskew_ == Deskew::kNone
-          ? frame.scan.points
-          : DeskewPoints(frame.scan.points, frame.scan.time_offset_s, predicted.T_prev_cur,
-                         predicted.period_s);
+      deskew_ == Deskew::kNone ? frame.scan.points
+                               : DeskewPoints(frame.scan.points, frame.scan.time_offset_s,
+                                              predicted.T_prev_cur, predicted.period_s);
   if (!options_.correct_depth_points && lidar.vertical_correction_rad != 0.0) {
     points = RaiseElevation(points, -lidar.vertical_correction_rad);
   }

@@ -43,9 +43,12 @@ int CountDepths(const VisualDepths& depths) {
 
 const char* ToString(FrameStatus status) {
   switch (status) {
-    case FrameStatus::kFirst: return "first";
-    case FrameStatus::kTracked: return "tracked";
-    case FrameStatus::kPredicted: return "predicted";
+    case FrameStatus::kFirst:
+      return "first";
+    case FrameStatus::kTracked:
+      return "tracked";
+    case FrameStatus::kPredicted:
+      return "predicted";
   }
   return "unknown";
 }
@@ -70,8 +73,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   result.faults = frame.faults;
 
   const PredictedMotion predicted = Predict(frame);
-  PreprocessedFrame current =
-      preprocessor_.Process(frame, predicted, executor, &result.times);
+  PreprocessedFrame current = preprocessor_.Process(frame, predicted, executor, &result.times);
 
   Stopwatch watch;
   result.odometry = EstimateMotion(current, predicted, executor);
@@ -79,8 +81,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   const KeyframeCloud cloud = Compensate(current, motion);
   result.times.odometry_ms = watch.LapMs();
 
-  const Rigid3d T_world_prev =
-      trajectory_.empty() ? Rigid3d() : trajectory_.back().T_world_lidar;
+  const Rigid3d T_world_prev = trajectory_.empty() ? Rigid3d() : trajectory_.back().T_world_lidar;
   RefineAgainstMap(current, cloud, T_world_prev * motion.T_prev_cur, executor, &result);
   motion.T_prev_cur = T_world_prev.Inverse() * result.T_world_lidar;
   result.times.map_step_ms = watch.LapMs();
@@ -113,10 +114,9 @@ MotionEstimate SlamSystem::EstimateMotion(const PreprocessedFrame& frame,
                                           const PredictedMotion& predicted,
                                           const Executor& executor) {
   if (trajectory_.empty()) return MotionEstimate();
-  const SweepBins bins =
-      deskew_ == Deskew::kNone ? SweepBins::Compensated() : SweepBins::Raw();
-  return odometry_.Estimate(frame, {predicted.T_prev_cur, has_velocity_}, bins,
-                            predicted.period_s, executor);
+  const SweepBins bins = deskew_ == Deskew::kNone ? SweepBins::Compensated() : SweepBins::Raw();
+  return odometry_.Estimate(frame, {predicted.T_prev_cur, has_velocity_}, bins, predicted.period_s,
+                            executor);
 }
 
 KeyframeCloud SlamSystem::Compensate(const PreprocessedFrame& frame,
@@ -133,7 +133,7 @@ void SlamSystem::RefineAgainstMap(const PreprocessedFrame& frame, const Keyframe
   result->step_covariance = result->odometry.covariance;
   const bool has_odometry = result->odometry.status == EstimateStatus::kConverged ||
                             result->odometry.status == EstimateStatus::kNotConverged;
-  result->status = is_first        ? FrameStatus::kFirst
+  result->status = is_first       ? FrameStatus::kFirst
                    : has_odometry ? FrameStatus::kTracked
                                   : FrameStatus::kPredicted;
   const bool is_due = static_cast<int>(trajectory_.size()) % options_.mapping.interval == 0;

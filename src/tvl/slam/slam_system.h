@@ -35,8 +35,8 @@ struct FrameResult {
   FrameStatus status = FrameStatus::kFirst;
   // Of T_{k-1,k} in the body frame of k, right perturbation, [rotation, translation].
   Matrix6d step_covariance = Matrix6d::Zero();
-  MotionEstimate odometry;    // T_ref_body = T_{k-1,k}
-  ScanToMapResult map_step;   // status kFirst where it did not run
+  MotionEstimate odometry;   // T_ref_body = T_{k-1,k}
+  ScanToMapResult map_step;  // status kFirst where it did not run
   bool is_keyframe = false;
   TrackingStatus tracking = TrackingStatus::kNoImage;
   int tracks = 0, tracks_with_depth = 0;
@@ -71,8 +71,7 @@ class SlamSystem {
                         FrameResult* result) const;
   void UpdateMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                  const Executor& executor, FrameResult* result);
-  void AddKeyframe(const FrameResult& result, const KeyframeCloud& cloud,
-                   const Executor& executor);
+  void AddKeyframe(const FrameResult& result, const KeyframeCloud& cloud, const Executor& executor);
 
   SensorSetup setup_;
   Deskew deskew_;
@@ -83,8 +82,8 @@ class SlamSystem {
   LandmarkMap landmarks_;
   Map map_;
   Trajectory trajectory_;
-  PredictedMotion motion_;      // of the last frame, as estimated
-  bool has_velocity_ = false;   // motion_ is an estimate
+  PredictedMotion motion_;     // of the last frame, as estimated
+  bool has_velocity_ = false;  // motion_ is an estimate
   double path_m_ = 0.0;
   int frames_since_map_step_ = 0;
   PreprocessedFrame last_;
