@@ -14,7 +14,8 @@ namespace {
 constexpr int kWidth = RayPacket::kWidth;
 constexpr int kBlockColumns = 4;  // a packet covers a block of 4 x 2 pixels
 constexpr int kBlockRows = 2;
-constexpr int kBandRows = 8;  // rows of a parallel task; a multiple of kBlockRows
+constexpr float kClip = 1.3F;  // light far beyond white must not decide a mixed pixel
+constexpr int kBandRows = 8;   // rows of a parallel task; a multiple of kBlockRows
 
 // Where rays go through the image plane: up to kWidth normalised image points.
 struct Aim {
@@ -152,20 +153,42 @@ void TraceBlock(const Tracer& tracer, const cv::Mat& rays, int x0, int y0, Layer
   }
 }
 
-bool Differ(const Layers& layers, int y0, int x0, int y1, int x1) {
-  if (layers.surface.at<int>(y0, x0) != layers.surface.at<int>(y1, x1)) return true;
-  const float a = layers.range_m.at<float>(y0, x0);
-  const float b = layers.range_m.at<float>(y1, x1);
+// A row of Layers.
+struct LayerRow {
+  LayerRow(const Layers& layers, int y)
+      : radiance(layers.radiance.ptr<float>(y)),
+        range_m(layers.range_m.ptr<float>(y)),
+        surface(layers.surface.ptr<int>(y)) {}
+  const float* radiance;
+  const float* range_m;
+  const int* surface;
+};
+
+// Whether an outline runs between two pixels that would show: in light as well as in surface.
+bool Differ(const LayerRow& row0, int x0, const LayerRow& row1, int x1) {
+  constexpr float kVisible = 0.03F;
+  const float light0 = std::min(row0.radiance[x0], kClip);
+  const float light1 = std::min(row1.radiance[x1], kClip);
+  if (std::abs(light0 - light1) < kVisible) return false;
+  if (row0.surface[x0] != row1.surface[x1]) return true;
+  const float a = row0.range_m[x0];
+  const float b = row1.range_m[x1];
   return std::abs(a - b) > 0.1F * std::min(a, b);
 }
 
-bool OnOutline(const Layers& layers, int y, int x) {
-  const int rows = layers.radiance.rows;
+// 1 for the pixels of a row with an outline towards a neighbour, else 0.
+std::vector<uint8_t> Outlines(const Layers& layers, int y) {
   const int cols = layers.radiance.cols;
-  return (x > 0 && Differ(layers, y, x, y, x - 1)) ||
-         (x + 1 < cols && Differ(layers, y, x, y, x + 1)) ||
-         (y > 0 && Differ(layers, y, x, y - 1, x)) ||
-         (y + 1 < rows && Differ(layers, y, x, y + 1, x));
+  const LayerRow here(layers, y);
+  const LayerRow above(layers, std::max(y - 1, 0));
+  const LayerRow below(layers, std::min(y + 1, layers.radiance.rows - 1));
+  std::vector<uint8_t> outline(static_cast<size_t>(cols), 0);
+  for (int x = 0; x < cols; ++x) {
+    const auto i = static_cast<size_t>(x);
+    if (x + 1 < cols && Differ(here, x, here, x + 1)) outline[i] = outline[i + 1] = 1;
+    if (outline[i] == 0 && (Differ(here, x, above, x) || Differ(here, x, below, x))) outline[i] = 1;
+  }
+  return outline;
 }
 
 // Adds rays to the pixels of a row that lie on an outline and averages.
@@ -175,14 +198,15 @@ class RowRefiner {
       : tracer_(tracer), rays_(rays), samples_(samples), pixel_(pixel) {}
 
   void Refine(const Layers& layers, int y, cv::Mat& radiance) const {
+    const std::vector<uint8_t> outline = Outlines(layers, y);
     const auto* first = layers.radiance.ptr<float>(y);
     auto* out = radiance.ptr<float>(y);
     std::copy(first, first + radiance.cols, out);
     Aim aim;
     std::array<int, kWidth> column{};
     for (int x = 0; x < radiance.cols; ++x) {
-      if (!OnOutline(layers, y, x)) continue;
-      out[x] = Clip(out[x]) / static_cast<float>(samples_ + 1);
+      if (outline[static_cast<size_t>(x)] == 0) continue;
+      out[x] = std::min(out[x], kClip) / static_cast<float>(samples_ + 1);
       for (int i = 0; i < samples_; ++i) {
         column[static_cast<size_t>(aim.count)] = x;
         Add(y, x, i, aim);
@@ -193,9 +217,6 @@ class RowRefiner {
   }
 
  private:
-  // Light far beyond white must not decide a mixed pixel.
-  static float Clip(float radiance) { return std::min(radiance, 1.3F); }
-
   void Add(int y, int x, int sample, Aim& aim) const {
     const float turn =
         6.2831853F * (static_cast<float>(sample) + 0.3F) / static_cast<float>(samples_);
@@ -209,7 +230,7 @@ class RowRefiner {
     if (aim.count == 0) return;
     const auto traced = tracer_.Trace(aim);
     for (size_t k = 0; k < static_cast<size_t>(aim.count); ++k) {
-      out[column[k]] += Clip(traced[k].radiance) / static_cast<float>(samples_ + 1);
+      out[column[k]] += std::min(traced[k].radiance, kClip) / static_cast<float>(samples_ + 1);
     }
     aim.count = 0;
   }

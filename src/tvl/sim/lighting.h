@@ -12,7 +12,7 @@ struct LightingOptions {
   double sun_elevation_rad = 0.75;  // 43 deg: shadows as long as things are high, as on KITTI
   double sun_azimuth_rad = 2.1;     // in the world frame, from x towards y
   double sun = 2.0;                 // irradiance of a surface facing the sun
-  double ambient = 0.42;            // irradiance of a surface facing up, from the sky alone
+  double ambient = 0.48;            // irradiance of a surface facing up, from the sky alone
   double bounce = 0.45;             // share of the ambient light that comes from below
   double sky = 1.3;                 // radiance at the horizon: over-exposed, as on real images
   // Throws InputError naming the field.

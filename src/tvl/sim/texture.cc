@@ -112,7 +112,7 @@ float TownTextures::Albedo(const SurfacePoint& at) const {
     case Material::kRoadMarking:
       return RoadMarking(at);
     case Material::kPavement:
-      return Ground(at, slabs_, 0.36F, 0.7F);
+      return Ground(at, slabs_, 0.38F, 0.9F);
     case Material::kKerb:
       return Kerb(at);
     case Material::kGrass:
@@ -164,7 +164,7 @@ float TownTextures::Albedo(const SurfacePoint& at) const {
 // Rectangular repairs of another tone and manhole covers lie in cells of 7 m.
 float TownTextures::Asphalt(const SurfacePoint& at) const {
   const TextureFootprint f = OnSurface(at);
-  float base = Modulate(0.25F, noise_.Sample(f.u_m / 9.0F, f.v_m / 9.0F, Extent(f) / 9.0F), 0.2F);
+  float base = Modulate(0.32F, noise_.Sample(f.u_m / 9.0F, f.v_m / 9.0F, Extent(f) / 9.0F), 0.2F);
   constexpr float kCell_m = 7.0F;
   const int cx = Cell(f.u_m, kCell_m);
   const int cy = Cell(f.v_m, kCell_m);
@@ -184,7 +184,7 @@ float TownTextures::Asphalt(const SurfacePoint& at) const {
     const float ring = lid * Within(r, 0.24F, 0.29F, Extent(f));
     base *= Mix(1.0F, 0.55F, lid) * Mix(1.0F, 1.8F, ring);
   }
-  return Modulate(base, asphalt_.Sample(f), 0.85F);
+  return Modulate(base, asphalt_.Sample(f), 0.75F);
 }
 
 float TownTextures::RoadMarking(const SurfacePoint& at) const {
@@ -213,7 +213,7 @@ float TownTextures::Facade(const SurfacePoint& at, const TextureTile& tile, floa
   const float foot = Above(-at.p_object.z(), -0.5F, 0.6F + at.minor_m);
   Shift(f, OfObject(at.object, 5), 0.0F);
   const float coarse = noise_.Sample(f.u_m / 5.0F, f.v_m / 5.0F, Extent(f) / 5.0F);
-  return Modulate(Modulate(base, coarse, 0.3F), tile.Sample(f), contrast) * (1.0F - 0.25F * foot);
+  return Modulate(Modulate(base, coarse, 0.15F), tile.Sample(f), contrast) * (1.0F - 0.25F * foot);
 }
 
 // Dark rooms, curtains in some, light bars across.
@@ -292,7 +292,7 @@ float TownTextures::Foliage(const SurfacePoint& at) const {
 float TownTextures::CarPaint(const SurfacePoint& at) const {
   const TextureFootprint f = OnSurface(at);
   const float random = OfObject(at.object, 10);
-  constexpr float kTones[] = {0.04F, 0.06F, 0.12F, 0.20F, 0.35F, 0.45F, 0.55F, 0.75F};
+  constexpr float kTones[] = {0.05F, 0.08F, 0.14F, 0.22F, 0.35F, 0.45F, 0.55F, 0.75F};
   const float base = kTones[std::min(7, static_cast<int>(random * 8.0F))];
   const float side = std::abs(at.normal_object.y());
   const float gap = side > 0.6F ? Bars(at.p_object.x() + 10.4F, 1.05F, 0.012F,
@@ -320,7 +320,7 @@ float TownTextures::CarTrim(const SurfacePoint& at) const {
   const float plate = Within(std::abs(at.p_object.y()), -0.3F, 0.26F, at.minor_m) *
                       Within(at.p_object.z(), 0.30F, 0.41F, at.minor_m);
   const float letters = Bars(f.u_m, 0.06F, 0.03F, Extent(f));
-  const float trim = 0.05F + (block > 0.8F ? 0.45F * Above(-Extent(f), -0.08F, 0.1F) : 0.0F);
+  const float trim = 0.05F + (block > 0.9F ? 0.35F * Above(-Extent(f), -0.08F, 0.1F) : 0.0F);
   return Mix(trim, Mix(0.8F, 0.08F, letters), plate);
 }
 

@@ -206,10 +206,10 @@ cv::Mat PaintNoise(uint64_t seed, double roughness) {
 cv::Mat PaintAsphalt(uint64_t seed) {
   Rng rng(seed, 1);
   cv::Mat canvas = Canvas(0.5F);
-  AddNoise(canvas, seed, -0.25, 0.10);
-  for (int i = 0; i < 9000; ++i) {  // chippings
-    Ellipse spot = RandomSpot(rng, 1.0, 3.0);
-    spot.tone = rng.Uniform() < 0.5 ? 0.25F : 0.85F;
+  AddNoise(canvas, seed, -0.7, 0.15);
+  for (int i = 0; i < 40000; ++i) {  // chippings
+    Ellipse spot = RandomSpot(rng, 0.8, 2.4);
+    spot.tone = rng.Uniform() < 0.55 ? 0.2F : 0.95F;
     spot.share = 0.6F;
     PaintEllipse(canvas, spot);
   }
@@ -233,7 +233,7 @@ cv::Mat PaintAsphalt(uint64_t seed) {
 cv::Mat PaintBricks(uint64_t seed) {
   cv::Mat canvas = Canvas(0.45F);
   AddNoise(canvas, seed, 0.2, 0.06);
-  PaintMasonry(canvas, seed + 1, {21, 68, 2.2, 0.8F, 0.13F, true});
+  PaintMasonry(canvas, seed + 1, {21, 68, 2.4, 0.9F, 0.16F, true});
   Rng rng(seed, 2);
   PaintStreaks(canvas, rng, 25, 0.3F);
   return canvas;
@@ -242,7 +242,7 @@ cv::Mat PaintBricks(uint64_t seed) {
 cv::Mat PaintPlaster(uint64_t seed) {
   Rng rng(seed, 3);
   cv::Mat canvas = Canvas(0.5F);
-  AddNoise(canvas, seed, 0.15, 0.07);
+  AddNoise(canvas, seed, -0.1, 0.08);
   PaintStreaks(canvas, rng, 60, 0.35F);
   for (int i = 0; i < 90; ++i) {  // stains and spalls
     Ellipse spot = RandomSpot(rng, 2.0, 40.0);
@@ -293,7 +293,7 @@ cv::Mat PaintGrass(uint64_t seed) {
 
 cv::Mat PaintSlabs(uint64_t seed) {
   cv::Mat canvas = Canvas(0.55F);
-  AddNoise(canvas, seed, 0.0, 0.07);
+  AddNoise(canvas, seed, -0.5, 0.12);
   PaintMasonry(canvas, seed + 1, {14, 14, 2.5, 0.15F, 0.06F, true});
   Rng rng(seed, 6);
   for (int i = 0; i < 150; ++i) {

@@ -1,0 +1,201 @@
+#include "tvl/sim/drive.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+#include "tvl/io/trajectory_io.h"
+
+namespace tvl::sim {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// Others in the lane are up to this long ahead; they need a road to drive on.
+constexpr double kAhead_s = 30.0;
+// Control poses before frame 0 and after the last: sweeps and splines reach over the ends.
+constexpr int kSpareFrames = 4;
+// KITTI's poses jitter from frame to frame; this much smoothing leaves the vehicle's motion.
+constexpr double kSmoothing_frames = 1.5;
+constexpr double kOverlap_frames = 20;  // of lateloop
+
+VehicleOptions VehicleFor(const SimOptions& options) {
+  VehicleOptions vehicle;
+  if (options.preset == "tunnel" || !options.tunnel.IsEmpty()) vehicle.tunnel_variation = 0.3;
+  if (options.preset == "open") vehicle.cruise_m_s = 14.0;
+  return vehicle;
+}
+
+// When the loop of a preset is to close.
+double ClosingTime_s(const SimOptions& options) {
+  double frame = 0.6 * options.frames;
+  if (options.preset == "nightloop" || options.preset == "reverse") frame = 0.5 * options.frames;
+  if (options.preset == "lateloop") frame = options.frames - kOverlap_frames;
+  return std::max(1.0, frame) * kFrameInterval_s;
+}
+
+bool IsLoop(const std::string& preset) {
+  return preset == "loop" || preset == "nightloop" || preset == "lateloop";
+}
+
+// Way at which the lane first comes back to its start.
+double LapLength_m(const Polyline& lane, double about_m) {
+  double best_m = about_m, best_distance = 1e9;
+  for (double s = 0.7 * about_m; s < 1.4 * about_m && s < lane.length_m(); s += 0.5) {
+    const double distance = (lane.At(s) - lane.At(0.0)).norm();
+    if (distance < best_distance) best_distance = distance, best_m = s;
+  }
+  return best_m;
+}
+
+struct PlannedRoute {
+  Route route;
+  TravelProfile travel;
+};
+
+PlannedRoute PlanPreset(const SimOptions& options) {
+  const VehicleOptions vehicle = VehicleFor(options);
+  const double duration_s = options.frames * kFrameInterval_s;
+  const double travel_m = (duration_s + kAhead_s) * 1.25 * vehicle.cruise_m_s + 50.0;
+  const double closing_s = ClosingTime_s(options);
+  double closing_m = 7.0 * closing_s;
+  const auto plan = [&] {
+    const Route route =
+        PlanRoute(options.preset, options.seed, travel_m, std::max(120.0, closing_m));
+    return PlannedRoute{route, TravelProfile(route, vehicle, options.seed, duration_s + kAhead_s)};
+  };
+  PlannedRoute planned = plan();
+  // How far the vehicle gets depends on the corners, and these on the size of the block.
+  for (int round = 0; round < 12 && (IsLoop(options.preset) || options.preset == "reverse");
+       ++round) {
+    const double way_m = planned.travel.Way_m(closing_s);
+    const double lap_m =
+        IsLoop(options.preset) ? LapLength_m(planned.route.lane, closing_m) : closing_m;
+    if (std::abs(way_m - lap_m) < 1.0) break;
+    closing_m += 0.7 * (way_m - lap_m);
+    planned = plan();
+  }
+  return planned;
+}
+
+std::vector<Rigid3d> DrivePreset(const PlannedRoute& planned, const Terrain& terrain,
+                                 const SimOptions& options) {
+  const Rigid3d T_vehicle_lidar = Rigid3d::Translation(0, 0, kLidarHeight_m);
+  const VehicleOptions vehicle = VehicleFor(options);
+  std::vector<Rigid3d> control;
+  for (int k = -kSpareFrames; k < options.frames + kSpareFrames; ++k) {
+    control.push_back(VehiclePose(planned.route, terrain, planned.travel, vehicle, options.seed,
+                                  k * kFrameInterval_s) *
+                      T_vehicle_lidar);
+  }
+  return control;
+}
+
+// Poses of the lidar in a level world whose x axis is the first heading.
+std::vector<Rigid3d> ReadDriven(const SimOptions& options, const Rigid3d& T_cam0_lidar) {
+  std::vector<Rigid3d> poses = ReadKittiPoses(options.trajectory_file);
+  if (options.frames > 0 && poses.size() > static_cast<size_t>(options.frames)) {
+    poses.resize(static_cast<size_t>(options.frames));
+  }
+  TVL_CHECK_INPUT(poses.size() >= 10)
+      << options.trajectory_file << ": a drive needs 10 poses, has " << poses.size();
+  Vector3d up = Vector3d::Zero();
+  for (Rigid3d& T : poses) {
+    T = T * T_cam0_lidar;
+    up += T.q() * Vector3d::UnitZ();
+  }
+  // The car stands upright on average.
+  const Vector3d z = up.normalized();
+  const Vector3d forward = poses.front().q() * Vector3d::UnitX();
+  const Vector3d x = (forward - z * z.dot(forward)).normalized();
+  Eigen::Matrix3d R_file_world;
+  R_file_world << x, z.cross(x), z;
+  const Rigid3d T_world_file =
+      Rigid3d(Eigen::Quaterniond(R_file_world), poses.front().t()).Inverse();
+  for (Rigid3d& T : poses) T = T_world_file * T;
+  return poses;
+}
+
+// The line driven, leaving out where the car stands, and the way along it at each pose.
+struct DrivenLine {
+  Polyline lane;
+  std::vector<double> way_m;
+};
+
+DrivenLine LineOf(const std::vector<Rigid3d>& poses, const std::string& file) {
+  std::vector<Vector2d> points = {poses.front().t().head<2>()};
+  std::vector<double> way = {0.0};
+  double length = 0.0;
+  for (size_t i = 1; i < poses.size(); ++i) {
+    const Vector2d p = poses[i].t().head<2>();
+    const double step = (p - points.back()).norm();
+    way.push_back(length + step);
+    if (step < 0.5) continue;
+    length += step;
+    points.push_back(p);
+  }
+  TVL_CHECK_INPUT(points.size() >= 4) << file << ": the car hardly moves";
+  return {Polyline(std::move(points)), std::move(way)};
+}
+
+Drive PlanAlongFile(const SimOptions& options, const Rigid3d& T_cam0_lidar) {
+  std::vector<Rigid3d> poses = SmoothPoses(ReadDriven(options, T_cam0_lidar), kSmoothing_frames);
+  std::vector<Vector3d> contact;
+  for (const Rigid3d& T : poses) contact.push_back(T * Vector3d(0, 0, -kLidarHeight_m));
+  const std::vector<double> heights = ConsistentHeights(contact, 8.0);
+  for (size_t i = 0; i < contact.size(); ++i) contact[i].z() = heights[i];
+  const Terrain terrain = Terrain::Through(contact);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    Vector3d t = poses[i].t();
+    t.z() = terrain.Height(t.head<2>()) + kLidarHeight_m;
+    poses[i] = Rigid3d(poses[i].q(), t);
+  }
+  DrivenLine line = LineOf(poses, options.trajectory_file);
+  return {RouteAlong(line.lane, options.seed),
+          terrain,
+          TravelProfile(std::move(line.way_m), kFrameInterval_s),
+          PoseSpline(ExtendPoses(poses, kSpareFrames), -kSpareFrames * kFrameInterval_s,
+                     kFrameInterval_s),
+          static_cast<int>(poses.size()),
+          options.night,
+          {}};
+}
+
+Drive PlanOwn(const SimOptions& options) {
+  const bool is_flat = options.preset == "tunnel";
+  const Terrain terrain = is_flat ? Terrain() : Terrain::Rolling(options.seed);
+  PlannedRoute planned = PlanPreset(options);
+  PoseSpline spline(DrivePreset(planned, terrain, options), -kSpareFrames * kFrameInterval_s,
+                    kFrameInterval_s);
+  FrameRange night = options.night;
+  if (options.preset == "nightloop" && night.IsEmpty()) {
+    night = {options.frames / 2, options.frames};
+  }
+  return {std::move(planned.route),
+          terrain,
+          std::move(planned.travel),
+          std::move(spline),
+          options.frames,
+          night,
+          {}};
+}
+
+}  // namespace
+
+Drive PlanDrive(const SimOptions& options, const Rigid3d& T_cam0_lidar) {
+  Drive drive =
+      options.trajectory_file.empty() ? PlanOwn(options) : PlanAlongFile(options, T_cam0_lidar);
+  const auto way = [&](int frame) { return drive.travel.Way_m(frame * kFrameInterval_s); };
+  if (!options.tunnel.IsEmpty()) {
+    drive.route.tunnel_begin_m = way(options.tunnel.begin);
+    drive.route.tunnel_end_m = std::max(way(options.tunnel.begin) + 1.0, way(options.tunnel.end));
+  }
+  if (!options.open.IsEmpty()) {
+    drive.open_m.emplace_back(way(options.open.begin), way(options.open.end));
+  }
+  return drive;
+}
+
+}  // namespace tvl::sim

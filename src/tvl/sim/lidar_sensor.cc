@@ -1,0 +1,224 @@
+#include "tvl/sim/lidar_sensor.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+#include "tvl/base/rng.h"
+#include "tvl/base/units.h"
+
+namespace tvl::sim {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr uint64_t kBiasStream = 701, kNoiseStream = 1ULL << 40;
+constexpr int kKittiRows = 64;
+
+// What the car of KITTI hides: roof and rack, read off the real scans.
+struct HiddenSector {
+  double begin_deg, end_deg;
+  int first_row, end_row;
+};
+constexpr HiddenSector kHidden[] = {
+    {160, 170, 46, 64}, {200, 207, 47, 64}, {165, 205, 52, 64}, {155, 210, 58, 64},
+    {150, 215, 63, 64}, {283, 302, 44, 57}, {285, 296, 57, 62}, {348, 360, 57, 64},
+    {0, 14, 57, 64},    {340, 348, 61, 64}, {14, 22, 61, 64},   {25, 38, 62, 64},
+    {130, 138, 57, 64}, {228, 236, 57, 64}, {322, 330, 60, 64}, {140, 146, 62, 64},
+};
+
+// Zero mean, unit variance, bounded: the sum of four 16-bit numbers. Half the price of a true
+// normal number, and a pulse has three of them.
+float QuickNormal(Rng* rng) {
+  const uint64_t bits = rng->Next();
+  const auto sum = static_cast<float>((bits & 0xffff) + ((bits >> 16) & 0xffff) +
+                                      ((bits >> 32) & 0xffff) + (bits >> 48));
+  return (sum / 65536.0F - 2.0F) * 1.7320508F;
+}
+
+// In [0, 1), from some bits of a hash.
+float Unit(uint64_t bits) { return static_cast<float>(bits & 0xffffff) / 16777216.0F; }
+
+// Reflectivity varies over a surface: by cells of 0.15 m of the object's own frame, and from
+// object to object.
+float SurfaceTone(const SceneHit& hit) {
+  const auto cell = [](float v) {
+    return static_cast<uint64_t>(static_cast<int64_t>(std::floor(v / 0.15F)) & 0xfffff);
+  };
+  const uint64_t place =
+      cell(hit.p_object.x()) | (cell(hit.p_object.y()) << 20) | (cell(hit.p_object.z()) << 40);
+  const float here = Unit(Rng::Mix(place)) - 0.5F;
+  const float whole = Unit(Rng::Mix(hit.object + 0x9e37ULL)) - 0.5F;
+  return here + 1.4F * whole;
+}
+
+}  // namespace
+
+void LidarSensorOptions::Check() const {
+  TVL_CHECK_INPUT(columns >= RayPacket::kWidth) << "columns: too few, is " << columns;
+  TVL_CHECK_INPUT(max_range_m > min_range_m && min_range_m > 0.0)
+      << "min_range_m, max_range_m: want 0 < min < max";
+  TVL_CHECK_INPUT(range_sigma_m >= 0.0) << "range_sigma_m: negative";
+  TVL_CHECK_INPUT(angle_sigma_rad >= 0.0) << "angle_sigma_rad: negative";
+  TVL_CHECK_INPUT(loss_share >= 0.0 && loss_share < 1.0) << "loss_share: want 0 <= x < 1";
+  TVL_CHECK_INPUT(reach_m > 0.0) << "reach_m: must be positive";
+  TVL_CHECK_INPUT(intensity_step > 0.0) << "intensity_step: must be positive";
+}
+
+struct LidarSensor::Firing {
+  double azimuth_rad;  // 0 straight ahead, rising to the left
+  double offset_s;     // from the stamp
+  bool is_hidden_from_row[kKittiRows];
+  Eigen::Matrix3f R_world_lidar;
+  Vector3f origin_world;
+  Eigen::Matrix3f R_out;  // from where it was measured to the frame of the scan
+  Vector3f t_out;
+};
+
+struct LidarSensor::Ring {
+  std::vector<Vector3f> points;
+  std::vector<float> intensity, time_offset_s;
+};
+
+LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& options)
+    : model_(model), options_(options) {
+  options_.Check();
+  TVL_CHECK_INPUT(model_.rows() > 0) << "lidar: a simulated lidar needs beam elevations";
+  Rng rng(options_.seed, kBiasStream);
+  for (int row = 0; row < model_.rows(); ++row) {
+    const double scale = options_.has_errors ? 1.0 : 0.0;
+    range_bias_m_.push_back(scale * options_.beam_range_sigma_m * rng.Normal());
+    elevation_bias_rad_.push_back(scale * options_.beam_elevation_sigma_rad * rng.Normal());
+  }
+}
+
+std::vector<LidarSensor::Firing> LidarSensor::Firings(const LidarSweep& sweep) const {
+  const auto n = static_cast<size_t>(options_.columns);
+  std::vector<Firing> firings(n);
+  const Rigid3d T_lidar_world = sweep.T_world_lidar(0.0).Inverse();
+  for (size_t i = 0; i < n; ++i) {
+    Firing& f = firings[i];
+    f.azimuth_rad = 2.0 * kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+    const double turn = f.azimuth_rad > kPi ? f.azimuth_rad - 2.0 * kPi : f.azimuth_rad;
+    f.offset_s = (sweep.is_clockwise ? -turn : turn) / (2.0 * kPi) * model_.sweep_s;
+    const Rigid3d T_world_lidar = sweep.T_world_lidar(f.offset_s);
+    f.R_world_lidar = T_world_lidar.R().cast<float>();
+    f.origin_world = T_world_lidar.t().cast<float>();
+    const Rigid3d out = sweep.is_compensated ? T_lidar_world * T_world_lidar : Rigid3d();
+    f.R_out = out.R().cast<float>();
+    f.t_out = out.t().cast<float>();
+    for (int row = 0; row < kKittiRows; ++row) {
+      f.is_hidden_from_row[row] =
+          options_.has_errors && IsHiddenByCar(RadToDeg(f.azimuth_rad), row);
+    }
+  }
+  return firings;
+}
+
+float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, uint64_t draw) const {
+  const LidarSurface surface = LidarSurfaceOf(hit.material);
+  const float tone = 1.0F + surface.variation * SurfaceTone(hit);
+  const float reflectivity = std::clamp(surface.reflectivity * tone, 0.01F, 1.0F);
+  const float cosine = std::abs(hit.normal.dot(direction));
+  if (options_.has_errors) {
+    if (Unit(draw) < static_cast<float>(options_.loss_share)) return -1.0F;
+    if (Unit(draw >> 12) < surface.mirror * (1.3F - cosine)) return -1.0F;
+    // What comes back falls with the square of the range and, less than Lambert's law says, with
+    // the incidence; near the threshold some pulses make it.
+    const float r = hit.range_m / static_cast<float>(options_.reach_m);
+    const float needed = 0.1F * r * r * (0.6F + 0.8F * Unit(draw >> 24));
+    if (reflectivity * std::sqrt(cosine) < needed) return -1.0F;
+  }
+  const float fade = std::min(1.0F, 25.0F / hit.range_m);
+  const float intensity = reflectivity * (0.35F + 0.65F * cosine) * (0.75F + 0.25F * fade) * 1.15F;
+  const auto step = static_cast<float>(options_.intensity_step);
+  return std::clamp(std::floor(intensity / step) * step, 0.0F, 0.99F);
+}
+
+LidarSensor::Ring LidarSensor::CastRing(const SceneView& view, const std::vector<Firing>& firings,
+                                        int row, const LidarSweep& sweep) const {
+  const auto i = static_cast<size_t>(row);
+  Rng rng(Rng::Mix(options_.seed) ^ sweep.frame, kNoiseStream + i);
+  const bool noisy = options_.has_errors;
+  const auto angle_sigma = static_cast<float>(noisy ? options_.angle_sigma_rad : 0.0);
+  const auto range_sigma = static_cast<float>(noisy ? options_.range_sigma_m : 0.0);
+  const double stored = model_.beam_elevation_rad[i];
+  const double real = stored + model_.vertical_correction_rad + elevation_bias_rad_[i];
+  const auto sin_stored = static_cast<float>(std::sin(stored)),
+             cos_stored = static_cast<float>(std::cos(stored));
+  const auto sin_real = static_cast<float>(std::sin(real)),
+             cos_real = static_cast<float>(std::cos(real));
+  const auto bias = static_cast<float>(range_bias_m_[i]);
+  const auto max_range = static_cast<float>(options_.max_range_m);
+  const auto min_range = static_cast<float>(options_.min_range_m);
+
+  Ring ring;
+  ring.points.reserve(firings.size());
+  ring.intensity.reserve(firings.size());
+  ring.time_offset_s.reserve(firings.size());
+  std::array<Vector3f, RayPacket::kWidth> stored_direction, real_direction;
+  std::array<const Firing*, RayPacket::kWidth> source{};
+  for (size_t next = 0; next < firings.size();) {
+    RayPacket rays;
+    for (int lane = 0; lane < RayPacket::kWidth && next < firings.size(); ++next) {
+      const Firing& f = firings[next];
+      if (row < kKittiRows && f.is_hidden_from_row[row]) continue;
+      const auto l = static_cast<size_t>(lane);
+      const auto ca = static_cast<float>(std::cos(f.azimuth_rad)),
+                 sa = static_cast<float>(std::sin(f.azimuth_rad));
+      stored_direction[l] = {cos_stored * ca, cos_stored * sa, sin_stored};
+      // The pulse leaves a little off: to the left by da, upwards by de.
+      const float da = angle_sigma * QuickNormal(&rng), de = angle_sigma * QuickNormal(&rng);
+      const Vector3f beam(cos_real * ca - de * sin_real * ca - da * sa,
+                          cos_real * sa - de * sin_real * sa + da * ca, sin_real + de * cos_real);
+      real_direction[l] = (f.R_world_lidar * beam).normalized();
+      const auto share = static_cast<float>(f.offset_s / model_.sweep_s + 0.5);
+      rays.Set(lane, f.origin_world, real_direction[l], max_range, share);
+      source[l] = &f;
+      ++lane;
+    }
+    if (rays.count == 0) break;
+    const HitPacket hits = view.Intersect(rays);
+    for (size_t l = 0; l < static_cast<size_t>(rays.count); ++l) {
+      const uint64_t draw = rng.Next();
+      const float range = hits[l].range_m + bias + range_sigma * QuickNormal(&rng);
+      if (!hits[l].hit || range < min_range || range > max_range) continue;
+      const float intensity = Return(hits[l], real_direction[l], draw);
+      if (intensity < 0.0F) continue;
+      const Firing& f = *source[l];
+      ring.points.emplace_back(f.R_out * (range * stored_direction[l]) + f.t_out);
+      ring.intensity.push_back(intensity);
+      ring.time_offset_s.push_back(sweep.is_compensated ? 0.0F : static_cast<float>(f.offset_s));
+    }
+  }
+  return ring;
+}
+
+LidarScan LidarSensor::Scan(const SceneView& view, const LidarSweep& sweep,
+                            const Executor& executor) const {
+  const std::vector<Firing> firings = Firings(sweep);
+  std::vector<Ring> rings(static_cast<size_t>(model_.rows()));
+  executor.For(rings.size(), 1, [&](size_t row, size_t) {
+    rings[row] = CastRing(view, firings, static_cast<int>(row), sweep);
+  });
+  LidarScan scan;
+  for (size_t row = 0; row < rings.size(); ++row) {
+    const Ring& r = rings[row];
+    scan.points.insert(scan.points.end(), r.points.begin(), r.points.end());
+    scan.intensity.insert(scan.intensity.end(), r.intensity.begin(), r.intensity.end());
+    scan.time_offset_s.insert(scan.time_offset_s.end(), r.time_offset_s.begin(),
+                              r.time_offset_s.end());
+    scan.ring.insert(scan.ring.end(), r.points.size(), static_cast<uint16_t>(row));
+  }
+  return scan;
+}
+
+bool IsHiddenByCar(double azimuth_deg, int row) {
+  return std::any_of(std::begin(kHidden), std::end(kHidden), [&](const HiddenSector& h) {
+    return azimuth_deg >= h.begin_deg && azimuth_deg < h.end_deg && row >= h.first_row &&
+           row < h.end_row;
+  });
+}
+
+}  // namespace tvl::sim
