@@ -35,7 +35,7 @@ struct DepthOptions {
   double min_incidence_rad = DegToRad(3.5);
   // How far outside the depths of its foreground a feature may come to lie, as a share of its
   // depth: beyond that the plane found is the extension of another surface.
-  double max_extrapolation = 0.05;
+  double max_extrapolation = 0.03;
   // Across the ray, one standard deviation: corner position, calibration and beam direction.
   double sigma_px = 0.7;
 

@@ -26,7 +26,8 @@ struct LegendEntry {
 cv::Mat WithLegend(const cv::Mat& picture, const std::string& caption,
                    const std::vector<LegendEntry>& entries);
 
-// OpenCV pixel with `shift` 4 fractional bits, for sub-pixel drawing (pass kShift to cv::circle...).
+// OpenCV pixel with `shift` 4 fractional bits, for sub-pixel drawing (pass kShift to
+// cv::circle...).
 inline constexpr int kShift = 4;
 cv::Point ShiftedPoint(const Eigen::Vector2d& px);
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -36,8 +36,8 @@ void DrawPoints(cv::Mat& canvas, const std::vector<Eigen::Vector3f>& p_lidar, co
 
 std::string Caption(const VisualDepths& depths) {
   const auto count = [&](DepthStatus status) {
-    return std::to_string(std::count_if(
-        depths.begin(), depths.end(), [&](const VisualDepth& d) { return d.status == status; }));
+    return std::to_string(std::count_if(depths.begin(), depths.end(),
+                                        [&](const VisualDepth& d) { return d.status == status; }));
   };
   return count(DepthStatus::kOk) + " of " + std::to_string(depths.size()) +
          " with depth; no points " + count(DepthStatus::kNoPoints) + ", one ring " +
