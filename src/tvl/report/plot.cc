@@ -12,7 +12,8 @@ namespace {
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kTextScale = 0.5, kTitleScale = 0.65;
 constexpr int kLeft_px = 90, kRight_px = 30, kTop_px = 84, kBottom_px = 64;
-constexpr int kShift = 3;  // fractional bits of drawn coordinates
+constexpr int kXTicks_px = 90, kYTicks_px = 45;  // about this far apart
+constexpr int kShift = 3;                        // fractional bits of drawn coordinates
 const cv::Scalar kInk = cv::Scalar::all(40), kGrid = cv::Scalar::all(225);
 
 // Where the axes lie on the picture and what they show.
@@ -95,7 +96,7 @@ Frame LayOut(const std::vector<PlotSeries>& series, const PlotOptions& options) 
 }
 
 void DrawXTicks(cv::Mat& picture, const Frame& frame) {
-  const std::vector<double> ticks = RoundTicks(frame.x, std::max(3, frame.box.width / 110));
+  const std::vector<double> ticks = RoundTicks(frame.x, std::max(3, frame.box.width / kXTicks_px));
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0;
   const int bottom = frame.box.y + frame.box.height;
   for (const double tick : ticks) {
@@ -107,8 +108,8 @@ void DrawXTicks(cv::Mat& picture, const Frame& frame) {
   }
 }
 
-void DrawYTicks(cv::Mat& picture, const Frame& frame) {
-  const std::vector<double> ticks = RoundTicks(frame.y, std::max(3, frame.box.height / 70));
+void DrawYTicks(cv::Mat& picture, const Frame& frame, int spacing_px) {
+  const std::vector<double> ticks = RoundTicks(frame.y, std::max(3, frame.box.height / spacing_px));
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0;
   for (const double tick : ticks) {
     const int y = cvRound(frame.Pixel(frame.x.min, tick).y);
@@ -138,7 +139,7 @@ void DrawLegend(cv::Mat& picture, const std::vector<PlotSeries>& series) {
   }
   int x = std::max(kGap_px, (picture.cols - width) / 2);
   for (const PlotSeries& s : series) {
-    cv::line(picture, {x, 56}, {x + kLine_px, 56}, s.colour, 2, cv::LINE_AA);
+    cv::line(picture, {x, 56}, {x + kLine_px, 56}, s.colour, s.width_px, cv::LINE_AA);
     x += kLine_px + kGap_px;
     Write(picture, s.name, {x, 61});
     x += TextSize(s.name, kTextScale).width + kBetween_px;
@@ -157,7 +158,7 @@ void DrawSeries(cv::Mat& picture, const Frame& frame, const PlotSeries& series) 
     const Eigen::Vector2d &a = series.points[i - 1], &b = series.points[i];
     if (!a.allFinite() || !b.allFinite()) continue;
     cv::line(picture, Shifted(frame.Pixel(a.x(), a.y())), Shifted(frame.Pixel(b.x(), b.y())),
-             series.colour, 2, cv::LINE_AA, kShift);
+             series.colour, series.width_px, cv::LINE_AA, kShift);
   }
   if (series.marks_ends && !series.points.empty()) DrawEnds(picture, frame, series);
 }
@@ -182,7 +183,8 @@ cv::Mat DrawPlot(const std::vector<PlotSeries>& series, const PlotOptions& optio
   cv::Mat picture(options.height_px, options.width_px, CV_8UC3, cv::Scalar::all(255));
   const Frame frame = LayOut(series, options);
   DrawXTicks(picture, frame);
-  DrawYTicks(picture, frame);
+  // On a map the grid is of squares.
+  DrawYTicks(picture, frame, options.equal_scale ? kXTicks_px : kYTicks_px);
   DrawLabels(picture, frame, options);
   DrawLegend(picture, series);
   for (const PlotSeries& s : series) DrawSeries(picture, frame, s);

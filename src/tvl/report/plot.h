@@ -13,6 +13,7 @@ struct PlotSeries {
   cv::Scalar colour;                    // BGR
   std::vector<Eigen::Vector2d> points;  // in the units of the axes, joined by lines
   bool marks_ends = false;              // a disc at the first point, a square at the last
+  int width_px = 2;                     // of the line, before smoothing adds one
 };
 
 struct PlotOptions {

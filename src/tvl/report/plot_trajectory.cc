@@ -3,6 +3,12 @@
 #include "tvl/report/plot.h"
 
 namespace tvl {
+namespace {
+
+// The truth is wider, so that it shows under an estimate that lies on it.
+int LineWidth(size_t index) { return index == 0 ? 3 : 1; }
+
+}  // namespace
 
 cv::Mat DrawTopView(const std::string& title, const std::vector<NamedPath>& paths) {
   PlotOptions options;
@@ -13,7 +19,7 @@ cv::Mat DrawTopView(const std::string& title, const std::vector<NamedPath>& path
   options.height_px = 900;
   std::vector<PlotSeries> series;
   for (const NamedPath& path : paths) {
-    PlotSeries s{path.name, SeriesColour(series.size()), {}, true};
+    PlotSeries s{path.name, SeriesColour(series.size()), {}, true, LineWidth(series.size())};
     for (const Rigid3d& pose : path.poses) s.points.emplace_back(pose.t().x(), pose.t().z());
     series.push_back(std::move(s));
   }
@@ -28,7 +34,7 @@ cv::Mat DrawHeights(const std::string& title, const std::vector<NamedPath>& path
   options.height_px = 480;
   std::vector<PlotSeries> series;
   for (const NamedPath& path : paths) {
-    PlotSeries s{path.name, SeriesColour(series.size()), {}, false};
+    PlotSeries s{path.name, SeriesColour(series.size()), {}, false, LineWidth(series.size())};
     double length_m = 0.0;
     for (size_t i = 0; i < path.poses.size(); ++i) {
       if (i > 0) length_m += (path.poses[i].t() - path.poses[i - 1].t()).norm();

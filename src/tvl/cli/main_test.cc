@@ -1,0 +1,111 @@
+// The program as a whole: exit codes, messages, files written. Runs the binary TVL_BINARY.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tvl/io/profile.h"
+#include "tvl/io/test_folder.h"
+#include "tvl/io/text_file.h"
+#include "tvl/io/trajectory_io.h"
+
+namespace tvl {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int exit_code;
+  std::string out, err;
+};
+
+class Program : public testing::Test {
+ protected:
+  static std::string Text(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+  Outcome Run(const std::string& arguments) const {
+    const std::string out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command =
+        std::string(TVL_BINARY) + " " + arguments + " > " + out + " 2> " + err + " < /dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Text(out), Text(err)};
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Program, HelpAndVersionSucceed) {
+  const Outcome help = Run("--help");
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(help.out, HasSubstr("evaluate"));
+  EXPECT_THAT(help.out, HasSubstr("inspect"));
+  EXPECT_EQ(Run("--version").exit_code, 0);
+  EXPECT_EQ(Run("inspect --help").exit_code, 0);
+}
+
+TEST_F(Program, WrongCommandLinesAreRefusedWithCode2) {
+  EXPECT_EQ(Run("").exit_code, 2);
+  EXPECT_EQ(Run("fly").exit_code, 2);
+  EXPECT_EQ(Run("inspect").exit_code, 2);
+  EXPECT_EQ(Run("inspect . --camera 9").exit_code, 2);
+  EXPECT_EQ(Run("evaluate --truth a").exit_code, 2);
+}
+
+TEST_F(Program, InspectShowsAndJudges) {
+  const TempFolder drive;
+  WriteKittiFolder(drive, LoadProfile("kitti"), 3);
+  const std::string root = drive.path().string();
+  const Outcome good = Run("inspect " + root);
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_THAT(good.out, HasSubstr("frames     3"));
+  EXPECT_THAT(good.out, HasSubstr("120x40, 8 bit, grey"));
+  EXPECT_THAT(good.out, HasSubstr("faults     none"));
+  std::filesystem::resize_file(drive / "velodyne/000001.bin", 1001);
+  EXPECT_EQ(Run("inspect " + root).exit_code, 0);
+  EXPECT_THAT(Run("inspect " + root).out, HasSubstr("truncated_scan: 1"));
+  std::filesystem::resize_file(drive / "velodyne/000000.bin", 0);
+  const Outcome bad = Run("inspect " + root);
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_THAT(bad.out, HasSubstr("not usable: the first frame"));
+  const Outcome missing = Run("inspect " + root + "/nix");
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_THAT(missing.err, HasSubstr("nix: no such folder"));
+}
+
+TEST_F(Program, EvaluateWritesTableJsonAndPlots) {
+  std::vector<Rigid3d> truth, estimate;
+  for (int i = 0; i < 150; ++i) {
+    truth.push_back(Rigid3d::Translation(0, 0, i));
+    estimate.push_back(Rigid3d::Translation(0, 0, 1.01 * i));
+  }
+  WriteKittiPoses(folder_ / "truth.txt", truth);
+  WriteKittiPoses(folder_ / "run/trajectory_kitti.txt", estimate);
+  const std::string arguments = "evaluate --truth " + (folder_ / "truth.txt") + " --estimate " +
+                                (folder_ / "run/trajectory_kitti.txt");
+  const Outcome outcome =
+      Run(arguments + " --json " + (folder_ / "e.json") + " --plot " + (folder_ / "plots"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("run: 150 frames, 149.00 m"));
+  EXPECT_THAT(outcome.out, HasSubstr("1.0100 %"));
+  const auto json = nlohmann::json::parse(Text(folder_ / "e.json"));
+  EXPECT_NEAR(json["kitti_segment_mean"]["t_err_percent"].get<double>(), 1.01, 1e-9);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "plots/run_top_view.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "plots/run_error.png"));
+  // A longer estimate than truth cannot be paired; a later start can.
+  EXPECT_EQ(Run(arguments + " --first 1").exit_code, 2);
+  estimate.resize(140);
+  WriteKittiPoses(folder_ / "run/trajectory_kitti.txt", estimate);
+  const Outcome part = Run(arguments + " --first 10");
+  EXPECT_EQ(part.exit_code, 0);
+  EXPECT_THAT(part.err, HasSubstr("frames 10 to 149 of 150"));
+}
+
+}  // namespace
+}  // namespace tvl
