@@ -41,7 +41,6 @@ struct PointCurvature {
 // that missing points do not make slanted surfaces look bent.
 // The ring is closed: its ends are neighbours. `column_rad` is the angle of a column.
 std::vector<PointCurvature> ComputeCurvature(const RingPoints& ring, double column_rad,
-                                             const CurvatureOptions& options,
-                                             std::vector<PointCurvature> reuse = {});
+                                             const CurvatureOptions& options);
 
 }  // namespace tvl

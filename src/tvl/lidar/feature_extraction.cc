@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
@@ -11,6 +10,10 @@
 
 namespace tvl {
 namespace {
+
+float EdgeThreshold(float range_m, float noise_m, const LaserFeatureOptions& options) {
+  return std::max(static_cast<float>(options.min_edge_curvature), noise_m / range_m);
+}
 
 // What can be picked from one subregion of a row; indices into the row.
 struct Candidates {
@@ -21,14 +24,17 @@ struct Candidates {
 class RowPicker {
  public:
   RowPicker(const SegmentedScan& scan, const LidarModel& model, const LaserFeatureOptions& options)
-      : scan_(scan), model_(model), options_(options) {}
+      : scan_(scan),
+        options_(options),
+        noise_m_(static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m)),
+        thinner_(options.less_flat_voxel_m) {}
 
-  // Points [begin, end) of the scan are the row. Appends to the features; less_flat not thinned.
+  // Points [begin, end) of the scan are the row. Appends to the features.
   void Pick(size_t begin, size_t end, LaserFeatures* features) {
     begin_ = begin;
     LoadRow(end);
     const double column_rad = 2.0 * kPi / scan_.image.columns;
-    curvature_ = ComputeCurvature(row_, column_rad, options_.curvature, std::move(curvature_));
+    curvature_ = ComputeCurvature(row_, column_rad, options_.curvature);
     taken_as_edge_.assign(curvature_.size(), 0);
     taken_as_plane_.assign(curvature_.size(), 0);
     const float region_rad = static_cast<float>(2.0 * kPi / options_.subregions);
@@ -45,11 +51,12 @@ class RowPicker {
 
  private:
   void LoadRow(size_t end) {
-    row_.range_m.clear(), row_.angle_rad.clear();
-    for (size_t i = begin_; i < end; ++i) {
-      const Eigen::Vector3f& p = scan_.points[i];
-      row_.range_m.push_back(p.norm());
-      row_.angle_rad.push_back(static_cast<float>(kPi) - FastAtan2(p.y(), p.x()));
+    const size_t n = end - begin_;
+    row_.range_m.resize(n), row_.angle_rad.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      const Eigen::Vector3f& p = scan_.points[begin_ + i];
+      row_.range_m[i] = std::sqrt(p.x() * p.x() + p.y() * p.y() + p.z() * p.z());
+      row_.angle_rad[i] = static_cast<float>(kPi) - FastAtan2(p.y(), p.x());
     }
   }
 
@@ -57,7 +64,7 @@ class RowPicker {
     const PointCurvature& point = curvature_[i];
     const int32_t label = scan_.label[begin_ + i];
     if (point.window == 0 || point.unreliable || label == kLabelOutlier) return;
-    if (point.c < EdgeThreshold(row_.range_m[i], model_, options_)) {
+    if (point.c < EdgeThreshold(row_.range_m[i], noise_m_, options_)) {
       candidates_.planes.push_back(static_cast<int>(i));
     } else if (label != kLabelGround) {
       candidates_.edges.push_back(static_cast<int>(i));
@@ -96,7 +103,11 @@ class RowPicker {
   }
 
   void PickPlanes(LaserFeatures* features) {
-    for (const int i : candidates_.planes) features->less_flat.push_back(Feature(i));
+    for (const int i : candidates_.planes) {
+      if (thinner_.IsFirst(scan_.points[begin_ + static_cast<size_t>(i)])) {
+        features->less_flat.push_back(Feature(i));
+      }
+    }
     for (int picked = 0; picked < options_.flat_per_subregion; ++picked) {
       int best = -1;
       for (const int i : candidates_.planes) {
@@ -113,8 +124,9 @@ class RowPicker {
   }
 
   const SegmentedScan& scan_;
-  const LidarModel& model_;
   const LaserFeatureOptions& options_;
+  const float noise_m_;
+  VoxelThinner thinner_;
   size_t begin_ = 0;
   RingPoints row_;
   std::vector<PointCurvature> curvature_;
@@ -136,6 +148,11 @@ void LaserFeatureOptions::Check() const {
   TVL_CHECK_INPUT(less_flat_voxel_m > 0.0) << "features.less_flat_voxel_m: must be positive";
 }
 
+float EdgeThreshold(float range_m, const LidarModel& model, const LaserFeatureOptions& options) {
+  return EdgeThreshold(
+      range_m, static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m), options);
+}
+
 LaserFeatures ExtractLaserFeatures(const SegmentedScan& scan, const LidarModel& model,
                                    const LaserFeatureOptions& options) {
   TVL_CHECK(scan.label.size() == scan.size() && scan.ring.size() == scan.size());
@@ -147,7 +164,6 @@ LaserFeatures ExtractLaserFeatures(const SegmentedScan& scan, const LidarModel& 
     picker.Pick(begin, end, &features);
     begin = end;
   }
-  features.less_flat = ThinByVoxel(features.less_flat, options.less_flat_voxel_m);
   return features;
 }
 

@@ -33,11 +33,6 @@ LaserFeatures ExtractLaserFeatures(const SegmentedScan& scan, const LidarModel& 
                                    const LaserFeatureOptions& options);
 
 // The threshold of Eq. (1) at a range.
-inline float EdgeThreshold(float range_m, const LidarModel& model,
-                           const LaserFeatureOptions& options) {
-  const float noise = static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m);
-  const float least = static_cast<float>(options.min_edge_curvature);
-  return noise > least * range_m ? noise / range_m : least;
-}
+float EdgeThreshold(float range_m, const LidarModel& model, const LaserFeatureOptions& options);
 
 }  // namespace tvl

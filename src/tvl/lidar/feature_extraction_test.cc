@@ -236,7 +236,11 @@ TEST(VoxelThinning, OneAVoxelTheFirst) {
     f.ring = static_cast<uint16_t>(i);
     features.push_back(f);
   }
-  const auto kept = ThinByVoxel(features, 0.5);
+  VoxelThinner thinner(0.5);
+  std::vector<LaserFeature> kept;
+  for (const LaserFeature& f : features) {
+    if (thinner.IsFirst(f.p_lidar)) kept.push_back(f);
+  }
   EXPECT_EQ(kept.size(), 512u);  // 8^3 voxels, 10 points each
   const auto voxel = [](const LaserFeature& f) {
     return (f.p_lidar * 2.0f).array().floor().cast<int>().eval();
@@ -249,6 +253,19 @@ TEST(VoxelThinning, OneAVoxelTheFirst) {
       EXPECT_GT(kept[k].ring, kept[k - 1].ring);
     }
   }
+}
+
+TEST(VoxelThinning, ManyVoxels) {
+  VoxelThinner thinner(0.1);
+  int first = 0;
+  for (int round = 0; round < 2; ++round) {
+    for (int i = 0; i < 60000; ++i) {
+      first += thinner.IsFirst({0.1f * static_cast<float>(i % 300) - 14.95f,
+                                0.1f * static_cast<float>(i / 300) - 9.95f, 0.05f});
+    }
+  }
+  EXPECT_EQ(first, 60000);
+  EXPECT_THROW(VoxelThinner(0.0), Error);
 }
 
 }  // namespace

@@ -11,11 +11,9 @@ namespace {
 constexpr float kUnknownSlope = 1e3f;
 constexpr float kFlatRun_m = 0.3f;  // over this the noise of two heights is some degrees
 
-// What growing needs of a cell.
+// Horizontal distance and height of a cell's point, m; h == 0: no point.
 struct Cell {
-  float h = 0, z = 0;                 // horizontal distance and height, m; h == 0: no point
-  bool steep = false;                 // the point above it stands over it
-  float slope_ahead = kUnknownSlope;  // to the next point kFlatRun_m or more farther out
+  float h = 0, z = 0;
 };
 
 // The ground last seen in a column.
@@ -32,6 +30,17 @@ struct Limits {
         steep(static_cast<float>(std::tan(o.steep_rad))) {}
   float slope, step_m, noise_m, steep;
 };
+
+std::vector<Cell> MakeCells(const SegmentedScan& scan) {
+  const RangeImage& image = scan.image;
+  std::vector<Cell> cells(image.point.size());
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (image.point[i] == RangeImage::kNoPoint) continue;
+    const Eigen::Vector3f& p = scan.points[static_cast<size_t>(image.point[i])];
+    cells[i] = {std::sqrt(p.x() * p.x() + p.y() * p.y()), p.z()};
+  }
+  return cells;
+}
 
 // Slope from cell `i` outwards, along its column; looks up to six rows up.
 float SlopeAhead(const std::vector<Cell>& cells, size_t i, size_t columns) {
@@ -55,54 +64,6 @@ bool IsSteep(const std::vector<Cell>& cells, size_t i, size_t columns, const Lim
     return above.z - cells[i].z > limits.steep * run + limits.noise_m;
   }
   return false;
-}
-
-std::vector<Cell> MakeCells(const SegmentedScan& scan, const Limits& limits) {
-  const RangeImage& image = scan.image;
-  std::vector<Cell> cells(image.point.size());
-  const size_t columns = static_cast<size_t>(image.columns);
-  for (size_t i = 0; i < cells.size(); ++i) {  // from the top: those above are known
-    if (image.point[i] == RangeImage::kNoPoint) continue;
-    const Eigen::Vector3f& p = scan.points[static_cast<size_t>(image.point[i])];
-    cells[i].h = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    cells[i].z = p.z();
-    cells[i].steep = IsSteep(cells, i, columns, limits);
-    cells[i].slope_ahead = SlopeAhead(cells, i, columns);
-  }
-  return cells;
-}
-
-// Does the surface at the point run on like the column's ground?
-bool IsFlat(const Cell& cell, const ColumnGround& ground, const Limits& limits) {
-  return std::abs(cell.slope_ahead - ground.slope) <= limits.slope;
-}
-
-// Does the point continue the column's ground?
-bool Continues(const Cell& cell, const ColumnGround& ground, const Limits& limits) {
-  const float run = cell.h - ground.h;
-  if (run < -limits.noise_m) return false;
-  const float deviation = cell.z - (ground.z + ground.slope * run);
-  // The top of a kerb is no slope: what matters is how the surface runs on.
-  if (std::abs(deviation) <= limits.step_m && IsFlat(cell, ground, limits)) return true;
-  const float tolerance =
-      std::min(limits.step_m, limits.slope * std::max(run, 0.0f) + limits.noise_m);
-  if (std::abs(deviation) > tolerance) return false;
-  return !(cell.steep && deviation > 2.0f * limits.noise_m);
-}
-
-// Does the point continue its neighbour in the ring?
-bool ContinuesSideways(const SegmentedScan& scan, size_t index, size_t neighbour, const Cell& cell,
-                       const ColumnGround& ground, const Limits& limits) {
-  if (cell.steep) return false;
-  const Eigen::Vector3f d = scan.points[index] - scan.points[neighbour];
-  const float run = std::sqrt(d.x() * d.x() + d.y() * d.y());
-  if (std::abs(d.z()) > std::min(limits.step_m, limits.slope * run + limits.noise_m)) return false;
-  // Where the column itself has seen the ground a moment ago, it knows better.
-  constexpr float kRecent_m = 2.0f;
-  const float ahead = cell.h - ground.h;
-  if (ahead < 0.0f || (ahead < kRecent_m && !IsFlat(cell, ground, limits))) return false;
-  const float deviation = cell.z - (ground.z + ground.slope * ahead);
-  return std::abs(deviation) <= limits.step_m + 0.5f * limits.slope * ahead;
 }
 
 // Moves the column's ground on to an accepted point. Not by less than kStride_m: noise on short
@@ -137,60 +98,103 @@ class Grower {
   Grower(const SegmentedScan& scan, const GroundOptions& options, const GroundSeed& seed)
       : scan_(scan),
         limits_(options),
-        cells_(MakeCells(scan, limits_)),
+        width_(static_cast<size_t>(scan.image.columns)),
+        cells_(MakeCells(scan)),
         columns_(SeedColumns(scan.image, seed)),
-        is_ground_(scan.size(), 0) {}
+        is_ground_(scan.size(), 0),
+        row_ground_(width_, 0) {}
 
   std::vector<uint8_t> Grow() {
     for (int row = scan_.image.rows - 1; row >= 0; --row) {
-      GrowColumns(row);
-      GrowSideways(row, +1);
-      GrowSideways(row, -1);
+      const size_t first = scan_.image.Index(row, 0);
+      GrowColumns(first);
+      for (const size_t c : open_) GrowSideways(first, c, width_ - 1);
+      std::reverse(open_.begin(), open_.end());
+      for (const size_t c : open_) GrowSideways(first, c, 1);
     }
     return std::move(is_ground_);
   }
 
  private:
-  void Accept(size_t index, const Cell& cell, size_t column) {
-    is_ground_[index] = 1;
-    Advance(cell, &columns_[column]);
+  // Does the surface at the cell run on like the column's ground?
+  bool IsFlat(size_t i, const ColumnGround& ground) const {
+    return std::abs(SlopeAhead(cells_, i, width_) - ground.slope) <= limits_.slope;
   }
 
-  void GrowColumns(int row) {
-    const size_t first = scan_.image.Index(row, 0);
-    for (size_t c = 0; c < columns_.size(); ++c) {
-      const Cell& cell = cells_[first + c];
-      if (cell.h == 0.0f || !Continues(cell, columns_[c], limits_)) continue;
-      Accept(static_cast<size_t>(scan_.image.point[first + c]), cell, c);
+  // Does the point of a cell, `deviation` above the continued ground of its column, belong to it?
+  bool Continues(size_t i, const ColumnGround& ground, float deviation) const {
+    const float run = cells_[i].h - ground.h;
+    if (run < -limits_.noise_m || std::abs(deviation) > limits_.step_m) return false;
+    const float tolerance = limits_.slope * std::max(run, 0.0f) + limits_.noise_m;
+    if (std::abs(deviation) <= tolerance &&
+        (deviation <= 2.0f * limits_.noise_m || !IsSteep(cells_, i, width_, limits_))) {
+      return true;
     }
+    // The top of a kerb is no slope: what matters is how the surface runs on.
+    return IsFlat(i, ground);
   }
 
-  void GrowSideways(int row, int direction) {
-    constexpr int kReach = 4;  // columns to the last ground point
-    const int n = scan_.image.columns;
-    const size_t first = scan_.image.Index(row, 0);
-    int since = kReach + 1;
-    size_t last = 0;
-    for (int k = 0; k < n + kReach; ++k, ++since) {  // a little beyond once round
-      const size_t c = static_cast<size_t>(direction > 0 ? k % n : (2 * n - 1 - k) % n);
+  void Accept(size_t i, size_t c) {
+    is_ground_[static_cast<size_t>(scan_.image.point[i])] = 1;
+    row_ground_[c] = 1;
+    Advance(cells_[i], &columns_[c]);
+  }
+
+  // Leaves in open_ the columns whose point may still be ground for its neighbours' sake.
+  void GrowColumns(size_t first) {
+    open_.clear();
+    for (size_t c = 0; c < width_; ++c) {
+      row_ground_[c] = 0;
       const Cell& cell = cells_[first + c];
       if (cell.h == 0.0f) continue;
-      const size_t index = static_cast<size_t>(scan_.image.point[first + c]);
-      if (!is_ground_[index]) {
-        if (since > kReach) continue;
-        if (!ContinuesSideways(scan_, index, last, cell, columns_[c], limits_)) continue;
-        Accept(index, cell, c);
+      const ColumnGround& ground = columns_[c];
+      const float run = cell.h - ground.h;
+      const float deviation = cell.z - (ground.z + ground.slope * run);
+      if (Continues(first + c, ground, deviation)) {
+        Accept(first + c, c);
+      } else if (run >= 0.0f &&
+                 std::abs(deviation) <= limits_.step_m + 0.5f * limits_.slope * run) {
+        open_.push_back(c);
       }
-      last = index;
-      since = 0;
     }
+  }
+
+  // Column `c` joins the ground nearest to it in the ring, `direction` columns on (modulo width).
+  void GrowSideways(size_t first, size_t c, size_t direction) {
+    constexpr int kReach = 4;  // columns to the last ground point
+    if (row_ground_[c]) return;
+    size_t other = c;
+    int k = 0;
+    do {
+      other = (other + direction) % width_;
+      if (++k > kReach) return;
+    } while (!row_ground_[other]);
+    if (ContinuesSideways(first + c, first + other, columns_[c])) Accept(first + c, c);
+  }
+
+  bool ContinuesSideways(size_t i, size_t neighbour, const ColumnGround& ground) const {
+    const auto point = [&](size_t cell) -> const Eigen::Vector3f& {
+      return scan_.points[static_cast<size_t>(scan_.image.point[cell])];
+    };
+    const Eigen::Vector3f d = point(i) - point(neighbour);
+    const float run = std::sqrt(d.x() * d.x() + d.y() * d.y());
+    if (std::abs(d.z()) > std::min(limits_.step_m, limits_.slope * run + limits_.noise_m)) {
+      return false;
+    }
+    // Where the column itself has seen the ground a moment ago, it knows better.
+    constexpr float kRecent_m = 2.0f;
+    if (cells_[i].h - ground.h < kRecent_m && !IsFlat(i, ground)) return false;
+    return !IsSteep(cells_, i, width_, limits_);
   }
 
   const SegmentedScan& scan_;
   const Limits limits_;
+  const size_t width_;
   const std::vector<Cell> cells_;
   std::vector<ColumnGround> columns_;
   std::vector<uint8_t> is_ground_;
+  std::vector<uint8_t> row_ground_;  // of the row at hand, by column
+  std::vector<size_t> open_;         // columns of the row at hand
 };
 
 }  // namespace

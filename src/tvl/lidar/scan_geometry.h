@@ -1,6 +1,7 @@
 // Azimuth and range of every point of a scan, computed once for the steps that follow.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "tvl/sensor/lidar_scan.h"
@@ -18,6 +19,19 @@ struct ScanGeometry {
 ScanGeometry ComputeScanGeometry(const LidarScan& scan, ScanGeometry reuse = {});
 
 // Arctangent of y / x in the right quadrant, in (-pi, pi], to 2e-5 rad; 0 for (0, 0).
-float FastAtan2(float y, float x);
+inline float FastAtan2(float y, float x) {
+  constexpr float kPiF = 3.14159265f;
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float large = ax > ay ? ax : ay;
+  const float small = ax > ay ? ay : ax;
+  const float a = large > 0.0f ? small / large : 0.0f;
+  // Arctangent on [0, 1]; Abramowitz & Stegun, Handbook of Mathematical Functions, 4.4.49.
+  const float s = a * a;
+  float angle =
+      a * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
+  angle = ay > ax ? 0.5f * kPiF - angle : angle;
+  angle = x < 0.0f ? kPiF - angle : angle;
+  return y < 0.0f ? -angle : angle;
+}
 
 }  // namespace tvl

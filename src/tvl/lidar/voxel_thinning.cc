@@ -1,57 +1,45 @@
 #include "tvl/lidar/voxel_thinning.h"
 
 #include <cmath>
-#include <cstdint>
 
 #include "tvl/base/check.h"
 #include "tvl/base/rng.h"
 
 namespace tvl {
-namespace {
 
-// Set of keys by open addressing; 0 marks an empty slot.
-class KeySet {
- public:
-  explicit KeySet(size_t expected) {
-    size_t slots = 64;
-    while (slots < 2 * expected) slots *= 2;
-    slots_.assign(slots, 0);
-  }
-  // False if it was there already.
-  bool Insert(uint64_t key) {
-    const size_t mask = slots_.size() - 1;
-    for (size_t i = Rng::Mix(key) & mask;; i = (i + 1) & mask) {
-      if (slots_[i] == key) return false;
-      if (slots_[i] == 0) {
-        slots_[i] = key;
-        return true;
-      }
-    }
-  }
-
- private:
-  std::vector<uint64_t> slots_;
-};
-
-}  // namespace
-
-std::vector<LaserFeature> ThinByVoxel(const std::vector<LaserFeature>& features, double voxel_m) {
+VoxelThinner::VoxelThinner(double voxel_m)
+    : per_m_(static_cast<float>(1.0 / voxel_m)), slots_(size_t{1} << 15, 0) {
   TVL_CHECK(voxel_m > 0.0) << "voxel " << voxel_m << " m";
-  const float per_m = static_cast<float>(1.0 / voxel_m);
-  KeySet seen(features.size());
-  std::vector<LaserFeature> kept;
-  uint64_t previous = 0;
-  for (const LaserFeature& feature : features) {
-    uint64_t key = 1;  // a leading one: no key is 0
-    for (int axis = 0; axis < 3; ++axis) {
-      const int64_t cell = static_cast<int64_t>(std::floor(feature.p_lidar[axis] * per_m));
-      key = (key << 20) | (static_cast<uint64_t>(cell + (1 << 19)) & 0xfffff);
-    }
-    if (key == previous) continue;  // neighbours in a ring mostly share a voxel
-    previous = key;
-    if (seen.Insert(key)) kept.push_back(feature);
+}
+
+bool VoxelThinner::IsFirst(const Eigen::Vector3f& p) {
+  constexpr float kHalf = 524288.0f;  // makes cells positive, where truncation is the floor
+  uint64_t key = 1;                   // a leading one: no key is 0
+  for (int axis = 0; axis < 3; ++axis) {
+    const float cell = std::floor(p[axis] * per_m_) + kHalf;
+    key = (key << 20) | (static_cast<uint64_t>(cell) & 0xfffff);
   }
-  return kept;
+  if (key == previous_) return false;  // neighbours in a ring mostly share a voxel
+  previous_ = key;
+  return Insert(key);
+}
+
+bool VoxelThinner::Insert(uint64_t key) {
+  const size_t mask = slots_.size() - 1;
+  size_t i = Rng::Mix(key) & mask;
+  for (; slots_[i] != 0; i = (i + 1) & mask) {
+    if (slots_[i] == key) return false;
+  }
+  slots_[i] = key;
+  if (2 * ++used_ > slots_.size()) {
+    std::vector<uint64_t> old(2 * slots_.size(), 0);
+    old.swap(slots_);
+    used_ = 0;
+    for (const uint64_t k : old) {
+      if (k != 0) Insert(k);
+    }
+  }
+  return true;
 }
 
 }  // namespace tvl
