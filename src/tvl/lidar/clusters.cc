@@ -13,27 +13,36 @@ namespace {
 // Disjoint sets of points; the smallest index of a set is its root.
 class DisjointSets {
  public:
-  explicit DisjointSets(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  int32_t Find(int32_t i) {
-    while (Parent(i) != i) {
-      Parent(i) = Parent(Parent(i));
-      i = Parent(i);
-    }
-    return i;
+  explicit DisjointSets(size_t n) : parent_(n) {
+    std::iota(parent_.begin(), parent_.end(), size_t{0});
   }
-  void Join(int32_t a, int32_t b) {
+
+  void Join(size_t a, size_t b) {
+    if (parent_[a] == parent_[b]) return;
     a = Find(a), b = Find(b);
     if (a < b) {
-      Parent(b) = a;
+      parent_[b] = a;
     } else {
-      Parent(a) = b;
+      parent_[a] = b;
     }
+  }
+
+  // The root of every point.
+  std::vector<size_t> Roots() && {
+    // A parent comes before its children: its own root is known by then.
+    for (size_t& parent : parent_) parent = parent_[parent];
+    return std::move(parent_);
   }
 
  private:
-  int32_t& Parent(int32_t i) { return parent_[static_cast<size_t>(i)]; }
-  std::vector<int32_t> parent_;
+  size_t Find(size_t i) {
+    while (parent_[i] != i) {
+      parent_[i] = parent_[parent_[i]];
+      i = parent_[i];
+    }
+    return i;
+  }
+  std::vector<size_t> parent_;
 };
 
 // The angle criterion, without an angle: with p the farther point, cos(beta) = p.(p-q)/(|p||p-q|).
@@ -91,40 +100,63 @@ class LineTest {
   float cos_sq_, tolerance_m_, share_;
 };
 
-DisjointSets LinkNeighbours(const SegmentedScan& scan, const std::vector<uint8_t>& is_ground,
-                            const ClusterOptions& options) {
-  const RangeImage& image = scan.image;
-  const LinkTest linked(options);
-  const LineTest on_line(scan, options);
-  DisjointSets sets(scan.size());
-  const int reach = options.max_bridged_cells + 1;
-  // Links cell `from` to the nearest occupied cell in one direction, if that is no ground.
-  const auto link = [&](size_t from, int32_t point, size_t to) {
-    const int32_t other = image.point[to];
-    if (other == RangeImage::kNoPoint) return false;
-    const size_t o = static_cast<size_t>(other), p = static_cast<size_t>(point);
-    if (is_ground[o]) return true;
-    if (linked(scan.points[p], image.range_m[from], scan.points[o], image.range_m[to]) ||
-        (o == p + 1 && on_line(p, image.range_m[from]))) {
-      sets.Join(point, other);
+// Walks over the image and joins what belongs together.
+class Linker {
+ public:
+  Linker(const SegmentedScan& scan, const std::vector<uint8_t>& is_ground,
+         const ClusterOptions& options)
+      : scan_(scan),
+        is_ground_(is_ground),
+        linked_(options),
+        on_line_(scan, options),
+        reach_(static_cast<size_t>(options.max_bridged_cells) + 1),
+        sets_(scan.size()) {}
+
+  // The root of every point's component; ground points are their own.
+  std::vector<size_t> Link() {
+    const RangeImage& image = scan_.image;
+    const size_t rows = static_cast<size_t>(image.rows);
+    const size_t columns = static_cast<size_t>(image.columns);
+    for (size_t row = 0; row < rows; ++row) {
+      const size_t row_begin = row * columns, down = std::min(reach_, rows - 1 - row);
+      for (size_t column = 0; column < columns; ++column) {
+        const size_t cell = row_begin + column;
+        const int32_t point = image.point[cell];
+        if (point == RangeImage::kNoPoint || is_ground_[static_cast<size_t>(point)]) continue;
+        for (size_t k = 1; k <= reach_; ++k) {
+          const size_t right = column + k < columns ? cell + k : cell + k - columns;
+          if (TryLink(cell, right)) break;
+        }
+        for (size_t k = 1; k <= down; ++k) {
+          if (TryLink(cell, cell + k * columns)) break;
+        }
+      }
+    }
+    return std::move(sets_).Roots();
+  }
+
+ private:
+  // Joins two cells if they belong together and neither is ground; false if `to` is empty.
+  bool TryLink(size_t from, size_t to) {
+    const RangeImage& image = scan_.image;
+    if (image.point[to] == RangeImage::kNoPoint) return false;
+    const size_t p = static_cast<size_t>(image.point[from]);
+    const size_t q = static_cast<size_t>(image.point[to]);
+    if (is_ground_[q]) return true;
+    if (linked_(scan_.points[p], image.range_m[from], scan_.points[q], image.range_m[to]) ||
+        (q == p + 1 && on_line_(p, image.range_m[from]))) {
+      sets_.Join(p, q);
     }
     return true;
-  };
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const size_t cell = image.Index(row, column);
-      const int32_t point = image.point[cell];
-      if (point == RangeImage::kNoPoint || is_ground[static_cast<size_t>(point)]) continue;
-      for (int k = 1; k <= reach; ++k) {
-        if (link(cell, point, image.Index(row, (column + k) % image.columns))) break;
-      }
-      for (int k = 1; k <= reach && row + k < image.rows; ++k) {
-        if (link(cell, point, image.Index(row + k, column))) break;
-      }
-    }
   }
-  return sets;
-}
+
+  const SegmentedScan& scan_;
+  const std::vector<uint8_t>& is_ground_;
+  const LinkTest linked_;
+  const LineTest on_line_;
+  const size_t reach_;
+  DisjointSets sets_;
+};
 
 struct ClusterSize {
   int points = 0, rows = 0, last_row = -1;
@@ -151,13 +183,13 @@ void ClusterOptions::Check() const {
 ClusterResult FindClusters(const SegmentedScan& scan, const std::vector<uint8_t>& is_ground,
                            const ClusterOptions& options) {
   TVL_CHECK(is_ground.size() == scan.size());
-  DisjointSets sets = LinkNeighbours(scan, is_ground, options);
+  const std::vector<size_t> root_of = Linker(scan, is_ground, options).Link();
   ClusterResult result;
   result.label.assign(scan.size(), kLabelOutlier);
   std::vector<ClusterSize> size(scan.size());
   for (size_t i = 0; i < scan.size(); ++i) {  // by row: rows of a cluster come in order
     if (is_ground[i]) continue;
-    ClusterSize& s = size[static_cast<size_t>(sets.Find(static_cast<int32_t>(i)))];
+    ClusterSize& s = size[root_of[i]];
     ++s.points;
     s.rows += s.last_row != scan.ring[i];
     s.last_row = scan.ring[i];
@@ -167,7 +199,7 @@ ClusterResult FindClusters(const SegmentedScan& scan, const std::vector<uint8_t>
       result.label[i] = kLabelGround;
       continue;
     }
-    const size_t root = static_cast<size_t>(sets.Find(static_cast<int32_t>(i)));
+    const size_t root = root_of[i];
     const ClusterSize& s = size[root];
     const bool keep = s.points >= options.min_points ||
                       (s.rows >= options.min_rows && s.points >= options.min_points_with_rows);

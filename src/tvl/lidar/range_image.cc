@@ -45,11 +45,37 @@ inline Eigen::Vector3f Raise(const Eigen::Vector3f& p, float cosine, float sine)
   return {p.x() * scale, p.y() * scale, p.z() * cosine + h * sine};
 }
 
-void Reserve(size_t points, SegmentedScan* scan) {
-  scan->points.clear(), scan->intensity.clear(), scan->time_offset_s.clear();
-  scan->ring.clear();
-  scan->points.reserve(points), scan->intensity.reserve(points);
-  scan->time_offset_s.reserve(points), scan->ring.reserve(points);
+SegmentedScan Resize(SegmentedScan scan, size_t points) {
+  scan.points.resize(points);
+  scan.intensity.resize(points);
+  scan.time_offset_s.resize(points);
+  scan.ring.resize(points);
+  scan.label.assign(points, kLabelOutlier);
+  scan.clusters = 0;
+  return scan;
+}
+
+// Takes over the points of the cells in the order of the cells, which then count in that order.
+SegmentedScan FillPoints(const LidarScan& scan, const ScanGeometry& geometry,
+                         const RingAssignment& rings, const LidarModel& model, Deskew deskew,
+                         SegmentedScan out) {
+  const float cosine = static_cast<float>(std::cos(model.vertical_correction_rad));
+  const float sine = static_cast<float>(std::sin(model.vertical_correction_rad));
+  const bool own_times = !scan.time_offset_s.empty() && deskew != Deskew::kNone;
+  const float s_per_rad = TimeOffset_s(1.0f, deskew, model.sweep_s);
+  size_t next = 0;
+  for (int32_t& point : out.image.point) {
+    if (point == RangeImage::kNoPoint) continue;
+    const size_t i = static_cast<size_t>(point);
+    out.points[next] = Raise(scan.points[i], cosine, sine);
+    out.intensity[next] = scan.intensity.empty() ? 0.0f : scan.intensity[i];
+    out.time_offset_s[next] =
+        own_times ? scan.time_offset_s[i] : s_per_rad * geometry.azimuth_rad[i];
+    out.ring[next] = rings.row[i];
+    point = static_cast<int32_t>(next++);
+  }
+  TVL_CHECK(next == out.points.size());
+  return out;
 }
 
 }  // namespace
@@ -68,24 +94,9 @@ RangeImageResult BuildRangeImage(const LidarScan& scan, const ScanGeometry& geom
   image.point.assign(cells, RangeImage::kNoPoint);
   out = FillCells(geometry, rings, model, std::move(out));
 
-  SegmentedScan& result = out.scan;
-  Reserve(scan.size(), &result);
-  const float cosine = static_cast<float>(std::cos(model.vertical_correction_rad));
-  const float sine = static_cast<float>(std::sin(model.vertical_correction_rad));
-  const bool own_times = !scan.time_offset_s.empty() && deskew != Deskew::kNone;
-  for (size_t cell = 0; cell < cells; ++cell) {
-    if (image.point[cell] == RangeImage::kNoPoint) continue;
-    const size_t i = static_cast<size_t>(image.point[cell]);
-    image.point[cell] = static_cast<int32_t>(result.points.size());
-    result.points.push_back(Raise(scan.points[i], cosine, sine));
-    result.intensity.push_back(scan.intensity.empty() ? 0.0f : scan.intensity[i]);
-    result.time_offset_s.push_back(
-        own_times ? scan.time_offset_s[i]
-                  : TimeOffset_s(geometry.azimuth_rad[i], deskew, model.sweep_s));
-    result.ring.push_back(rings.row[i]);
-  }
-  result.label.assign(result.points.size(), kLabelOutlier);
-  result.clusters = 0;
+  const size_t dropped = static_cast<size_t>(out.not_finite + out.out_of_range + out.hidden);
+  out.scan = Resize(std::move(out.scan), scan.size() - dropped);
+  out.scan = FillPoints(scan, geometry, rings, model, deskew, std::move(out.scan));
   return out;
 }
 
