@@ -18,5 +18,20 @@ TEST(OpenInput, NamesWhatIsWrong) {
   EXPECT_THROW(OpenInput(".", {"no such profile"}), InputError);
 }
 
+#ifdef TVL_WITH_SIM
+TEST(OpenInput, OpensSimulatedDrivesWithTheirProfileOrAnother) {
+  const std::string spec = "sim:open?frames=2&camera=0&seed=3";
+  const auto own = OpenInput(spec);
+  EXPECT_EQ(own->size(), 2U);
+  EXPECT_EQ(own->setup().lidar.rows(), 64);
+  InputOptions options;
+  options.profile = "none";
+  const auto other = OpenInput(spec, options);
+  EXPECT_EQ(other->setup().lidar.rows(), 0);
+  EXPECT_EQ(other->Frame(1).scan->points, own->Frame(1).scan->points);
+  EXPECT_EQ(other->Truth_T_first_cam0().size(), 2U);
+}
+#endif
+
 }  // namespace
 }  // namespace tvl
