@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
@@ -108,21 +109,24 @@ class RowPicker {
         features->less_flat.push_back(Feature(i));
       }
     }
-    for (int picked = 0; picked < options_.flat_per_subregion; ++picked) {
-      int best = -1;
-      for (const int i : candidates_.planes) {
-        if (taken_as_plane_[static_cast<size_t>(i)]) continue;
-        if (best < 0 ||
-            curvature_[static_cast<size_t>(i)].c < curvature_[static_cast<size_t>(best)].c) {
-          best = i;
-        }
+    const std::vector<int>& planes = candidates_.planes;
+    plane_c_.resize(planes.size());
+    for (int picked = 0; picked < options_.flat_per_subregion && !planes.empty(); ++picked) {
+      for (size_t k = 0; k < planes.size(); ++k) {
+        const size_t i = static_cast<size_t>(planes[k]);
+        plane_c_[k] = taken_as_plane_[i] ? kTaken : curvature_[i].c;
       }
-      if (best < 0) break;
-      features->flat.push_back(Feature(best));
-      Take(best, &taken_as_plane_);
+      const Eigen::Map<const Eigen::ArrayXf> c(plane_c_.data(),
+                                               static_cast<Eigen::Index>(plane_c_.size()));
+      const float least = c.minCoeff();
+      if (least == kTaken) break;
+      const auto best = std::find(plane_c_.begin(), plane_c_.end(), least) - plane_c_.begin();
+      features->flat.push_back(Feature(planes[static_cast<size_t>(best)]));
+      Take(planes[static_cast<size_t>(best)], &taken_as_plane_);
     }
   }
 
+  static constexpr float kTaken = std::numeric_limits<float>::infinity();
   const SegmentedScan& scan_;
   const LaserFeatureOptions& options_;
   const float noise_m_;
@@ -132,6 +136,7 @@ class RowPicker {
   std::vector<PointCurvature> curvature_;
   std::vector<uint8_t> taken_as_edge_, taken_as_plane_;
   Candidates candidates_;
+  std::vector<float> plane_c_;  // of candidates_.planes, kTaken where not to be had
 };
 
 }  // namespace

@@ -1,23 +1,20 @@
 #include "tvl/lidar/voxel_thinning.h"
 
-#include <cmath>
-
 #include "tvl/base/check.h"
 #include "tvl/base/rng.h"
 
 namespace tvl {
 
-VoxelThinner::VoxelThinner(double voxel_m)
-    : per_m_(static_cast<float>(1.0 / voxel_m)), slots_(size_t{1} << 15, 0) {
+VoxelThinner::VoxelThinner(double voxel_m) : per_m_(1.0 / voxel_m), slots_(size_t{1} << 15, 0) {
   TVL_CHECK(voxel_m > 0.0) << "voxel " << voxel_m << " m";
 }
 
 bool VoxelThinner::IsFirst(const Eigen::Vector3f& p) {
-  constexpr float kHalf = 524288.0f;  // makes cells positive, where truncation is the floor
+  constexpr double kHalf = 524288.0;  // makes cells positive, where truncation is the floor
   uint64_t key = 1;                   // a leading one: no key is 0
   for (int axis = 0; axis < 3; ++axis) {
-    const float cell = std::floor(p[axis] * per_m_) + kHalf;
-    key = (key << 20) | (static_cast<uint64_t>(cell) & 0xfffff);
+    const double cell = static_cast<double>(p[axis]) * per_m_ + kHalf;
+    key = (key << 20) | (static_cast<uint64_t>(static_cast<int64_t>(cell)) & 0xfffff);
   }
   if (key == previous_) return false;  // neighbours in a ring mostly share a voxel
   previous_ = key;

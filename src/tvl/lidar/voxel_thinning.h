@@ -19,7 +19,7 @@ class VoxelThinner {
  private:
   bool Insert(uint64_t key);
 
-  float per_m_;
+  double per_m_;
   uint64_t previous_ = 0;
   size_t used_ = 0;
   std::vector<uint64_t> slots_;  // open addressing, 0 is empty; a power of two long
