@@ -162,7 +162,7 @@ void AddSurroundings(const DistanceGrid& grid, const Terrain& terrain, Mesh* mes
   const Vector2d high = grid.Place(grid.columns(), grid.rows()).array() + kCoarseMargin_m;
   const auto columns = static_cast<int>((high.x() - low.x()) / kCoarseCell_m);
   const auto rows = static_cast<int>((high.y() - low.y()) / kCoarseCell_m);
-  const auto place = [&](int x, int y) {
+  const auto place = [&](int x, int y) -> Vector3f {
     const Vector2d p = low + kCoarseCell_m * Vector2d(x, y);
     return Vector3d(p.x(), p.y(), terrain.Height(p) - kCoarseDrop_m).cast<float>();
   };

@@ -1,0 +1,71 @@
+// tvl simulate: writes a simulated drive to disk, in the layout of KITTI odometry.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "tvl/cli/commands.h"
+#include "tvl/sim/drive_writer.h"
+
+namespace tvl {
+namespace {
+
+struct SimulateArguments {
+  std::string out;
+  sim::SimOptions options;
+  std::string raw = "none", tunnel, open, night;
+  int threads = 2;
+  bool no_camera = false;
+};
+
+sim::SimOptions Resolve(const SimulateArguments& arguments) {
+  sim::SimOptions options = arguments.options;
+  options.raw = sim::ParseSpin(arguments.raw);
+  options.has_camera = !arguments.no_camera;
+  if (!arguments.tunnel.empty())
+    options.tunnel = sim::ParseFrameRange(arguments.tunnel, "--tunnel");
+  if (!arguments.open.empty()) options.open = sim::ParseFrameRange(arguments.open, "--open");
+  if (!arguments.night.empty()) options.night = sim::ParseFrameRange(arguments.night, "--night");
+  return options;
+}
+
+void Simulate(const SimulateArguments& arguments) {
+  const sim::SimDataset drive(Resolve(arguments));
+  sim::WriteDrive(drive, arguments.out, arguments.threads, [&](size_t done) {
+    if (done % 100 == 0) std::cerr << "simulated " << done << " of " << drive.size() << " frames\n";
+  });
+  std::cout << drive.size() << " frames, "
+            << static_cast<int>(drive.drive().travel.Way_m(static_cast<double>(drive.size() - 1) *
+                                                           sim::kFrameInterval_s))
+            << " m, in " << arguments.out << "\n";
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  sim::SimOptions& o = arguments->options;
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Simulate a drive: camera, lidar and truth, in KITTI's layout");
+  command->add_option("--out", arguments->out, "Folder to write")->required();
+  command
+      ->add_option("--preset", o.preset,
+                   "city loop reverse traffic aliasing nightloop lateloop tunnel open")
+      ->capture_default_str();
+  command->add_option("--trajectory", o.trajectory_file,
+                      "KITTI poses to drive along instead of the preset's route");
+  command->add_option("--seed", o.seed, "Decides everything random")->capture_default_str();
+  command->add_option("--frames", o.frames, "10 a second; 0: all of --trajectory")
+      ->capture_default_str();
+  command->add_option("--raw", arguments->raw,
+                      "Scans as measured, not compensated: spin of the scanner, cw or ccw");
+  command->add_option("--tunnel", arguments->tunnel, "Frames A:B lead through a tunnel");
+  command->add_option("--open", arguments->open, "Frames A:B lead through open country");
+  command->add_option("--night", arguments->night, "Frames A:B are dark");
+  command->add_flag("--clean", o.clean, "A lidar without errors");
+  command->add_flag("--no-camera", arguments->no_camera, "Lidar only: much faster");
+  command->add_option("--threads", arguments->threads, "Frames made at a time")
+      ->capture_default_str();
+  command->callback([arguments] { Simulate(*arguments); });
+}
+
+}  // namespace tvl
