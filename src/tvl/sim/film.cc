@@ -21,6 +21,8 @@ void FilmOptions::Check() const {
       << "sim film: vignetting = " << vignetting << " is not in [0, 1)";
   TVL_CHECK_INPUT(target_mean > 0.0 && target_mean < 1.0)
       << "sim film: target_mean = " << target_mean << " is not in (0, 1)";
+  TVL_CHECK_INPUT(metering_from >= 0.0 && metering_from < 1.0)
+      << "sim film: metering_from = " << metering_from << " is not in [0, 1)";
   TVL_CHECK_INPUT(max_gain >= 1.0) << "sim film: max_gain = " << max_gain << " is below 1";
   TVL_CHECK_INPUT(read_noise_grey >= 0.0 && photon_noise_grey >= 0.0)
       << "sim film: noise must not be negative";
@@ -37,18 +39,20 @@ Film::Film(const FilmOptions& options) : options_(options), normal_(kNormals) {
 }
 
 float Film::Gain(const cv::Mat& radiance, uint64_t frame, const Executor& executor) const {
-  const auto rows = static_cast<size_t>(radiance.rows);
+  const auto top = static_cast<int>(options_.metering_from * radiance.rows);
+  const auto rows = static_cast<size_t>(radiance.rows - top);
   const double sum = executor.Sum(rows, 16, 0.0, [&](size_t begin, size_t end) {
     double part = 0.0;
     for (size_t y = begin; y < end; ++y) {
-      const auto* row = radiance.ptr<float>(static_cast<int>(y));
+      const auto* row = radiance.ptr<float>(top + static_cast<int>(y));
       float line = 0.0F;
       for (int x = 0; x < radiance.cols; ++x) line += std::min(row[x], 1.0F);
       part += static_cast<double>(line);
     }
     return part;
   });
-  const double mean = std::max(sum / static_cast<double>(radiance.total()), 1e-4);
+  const double mean =
+      std::max(sum / static_cast<double>(rows * static_cast<size_t>(radiance.cols)), 1e-4);
   const double gain = std::pow(options_.target_mean / mean, options_.exposure_strength);
   const auto t = static_cast<double>(frame);
   const double drift = 0.6 * std::sin(t / 23.0) + 0.4 * std::sin(t / 71.0 + 1.0);

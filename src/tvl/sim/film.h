@@ -13,7 +13,8 @@ struct FilmOptions {
   uint64_t seed = 1;               // of the noise
   double blur_sigma_px = 0.6;      // point spread of a sharp lens on KITTI's sensor
   double vignetting = 0.18;        // share of light lost in the corners
-  double target_mean = 0.36;       // mean grey, share of white, that the exposure aims at
+  double target_mean = 0.31;       // mean grey, share of white, that the exposure aims at
+  double metering_from = 0.35;     // rows above this share of the height (sky) do not count for it
   double exposure_strength = 0.8;  // 1 reaches the target, 0 does not adapt
   double max_gain = 3.0;           // of the exposure, and 1 / max_gain the least
   double exposure_drift = 0.05;    // slow random part of the exposure, relative

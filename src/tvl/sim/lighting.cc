@@ -58,12 +58,12 @@ float Lighting::Sky(const Eigen::Vector3f& direction, const TownTextures& textur
   const float height = 1.0F / (up + 0.12F);  // flat clouds seen from below
   const float clouds = textures.Clouds(direction.x() * height, direction.y() * height, 0.02F);
   const float glow = std::max(0.0F, direction.dot(to_sun_));
-  return sky_ * (1.0F - 0.55F * up + 0.25F * (clouds - 0.5F) + 0.5F * glow * glow * glow);
+  return sky_ * (1.0F - 0.55F * up + 0.15F * (clouds - 0.5F) + 0.5F * glow * glow * glow);
 }
 
 float Lighting::Surface(const SceneHit& hit, const Eigen::Vector3f& direction, float albedo,
                         bool sunlit) const {
-  if (hit.material == Material::kTunnelFixture) return sky_;
+  if (hit.material == Material::kTunnelFixture) return 1.5F;  // a lamp
   const float up = 0.5F + 0.5F * hit.normal.z();
   float irradiance = ambient_ * (bounce_ + (1.0F - bounce_) * up);
   if (sunlit) {

@@ -14,7 +14,7 @@ struct LightingOptions {
   double sun = 2.0;                 // irradiance of a surface facing the sun
   double ambient = 0.48;            // irradiance of a surface facing up, from the sky alone
   double bounce = 0.45;             // share of the ambient light that comes from below
-  double sky = 1.3;                 // radiance at the horizon: over-exposed, as on real images
+  double sky = 2.0;                 // radiance at the horizon: over-exposed, as on real images
   // Throws InputError naming the field.
   void Check() const;
 };

@@ -116,11 +116,11 @@ float TownTextures::Albedo(const SurfacePoint& at) const {
     case Material::kKerb:
       return Kerb(at);
     case Material::kGrass:
-      return Ground(at, grass_, 0.20F, 1.0F);
+      return Ground(at, grass_, 0.30F, 1.0F);
     case Material::kSoil:
       return Ground(at, asphalt_, 0.22F, 0.9F);
     case Material::kPlaster:
-      return Facade(at, plaster_, 0.30F + 0.5F * OfObject(at.object, 1), 0.7F);
+      return Facade(at, plaster_, 0.30F + 0.5F * OfObject(at.object, 1), 0.55F);
     case Material::kBrick:
       return Facade(at, bricks_, 0.18F + 0.15F * OfObject(at.object, 1), 0.9F);
     case Material::kConcrete:
@@ -261,14 +261,18 @@ float TownTextures::Wood(const SurfacePoint& at) const {
   return Modulate(0.28F * tone, grain, 0.7F) * (1.0F - 0.7F * gap);
 }
 
-// Black marks on white in cells of 6 cm inside a dark border of the object's own frame.
+// Lines of dark letters on white; from afar their average.
 float TownTextures::Sign(const SurfacePoint& at) const {
   const TextureFootprint f = OnSurface(at);
-  constexpr float kMark_m = 0.07F;
-  const float mark =
-      OfCell(Cell(f.u_m, kMark_m), Cell(f.v_m, kMark_m), at.object) < 0.35F ? 1.0F : 0.0F;
-  const float crisp = Above(-Extent(f), -kMark_m, kMark_m);
-  return Mix(0.8F, 0.08F, Mix(0.35F, mark, crisp));
+  constexpr float kLine_m = 0.21F;
+  constexpr float kLetter_m = 0.065F;
+  const int line = Cell(f.v_m, kLine_m);
+  const float in_line = f.v_m - kLine_m * static_cast<float>(line);
+  const float width = Extent(f);
+  const bool dark = OfCell(Cell(f.u_m, kLetter_m), line, at.object) < 0.6F;
+  const float ink = dark ? Within(in_line, 0.04F, 0.17F, width) : 0.0F;
+  const float crisp = Above(-width, -kLetter_m, kLetter_m);
+  return Mix(0.8F, 0.08F, Mix(0.37F, ink, crisp));
 }
 
 float TownTextures::Bark(const SurfacePoint& at) const {
@@ -320,7 +324,7 @@ float TownTextures::CarTrim(const SurfacePoint& at) const {
   const float plate = Within(std::abs(at.p_object.y()), -0.3F, 0.26F, at.minor_m) *
                       Within(at.p_object.z(), 0.30F, 0.41F, at.minor_m);
   const float letters = Bars(f.u_m, 0.06F, 0.03F, Extent(f));
-  const float trim = 0.05F + (block > 0.9F ? 0.35F * Above(-Extent(f), -0.08F, 0.1F) : 0.0F);
+  const float trim = 0.05F + (block > 0.94F ? 0.22F * Above(-Extent(f), -0.08F, 0.1F) : 0.0F);
   return Mix(trim, Mix(0.8F, 0.08F, letters), plate);
 }
 
