@@ -172,13 +172,34 @@ TEST(DepthAssociation, EveryWayToHaveNoDepth) {
   EXPECT_EQ(Depths({{32, 0, -1.73}}, scan)[0].status, DepthStatus::kGrazing);
 }
 
-// A feature just above the line where the ground ends: the ground's plane would put it far behind.
+// Features just above the line where the ground ends: its plane would put them behind that line.
 TEST(DepthAssociation, ThePlaneDoesNotReachBeyondItsPoints) {
-  const auto near = [](const Eigen::Vector3d& p) { return p.x() < 14.0; };
+  const double end_m = 22.9;
+  const auto near = [=](const Eigen::Vector3d& p) { return p.x() < end_m; };
   const SegmentedScan scan = Scan({Plane({0, 0, 1}, -1.73, kLabelGround, near)});
-  const double edge_slope = -1.73 / 14.0;
-  const VisualDepth depth = Depths({Eigen::Vector3d(19.0, 0, 19.0 * edge_slope + 0.1)}, scan)[0];
-  EXPECT_NE(depth.status, DepthStatus::kOk) << depth.depth_m;
+  std::vector<Eigen::Vector3d> beyond;
+  for (double x = 23.0; x < 26.0; x += 0.05) beyond.emplace_back(x, 0.0, -1.73);
+  int rejected = 0;
+  for (const VisualDepth& depth : Depths(beyond, scan)) {
+    rejected += depth.status == DepthStatus::kSpread;
+    if (depth.status == DepthStatus::kOk) {
+      EXPECT_LT(depth.depth_m, 1.04 * end_m);
+    }
+  }
+  EXPECT_GT(rejected, 5);
+}
+
+TEST(DepthAssociation, SigmaGrowsWithThePixelsError) {
+  const SegmentedScan scan = Scan({Ground()});
+  const Eigen::Vector3d p(15.0, 0.0, -1.73);
+  DepthOptions exact;
+  exact.sigma_px = 0.0;
+  const VisualDepth with = Depths({p}, scan)[0], without = Depths({p}, scan, exact)[0];
+  const double tan_a = 1.65 / TrueDepth_m(p);  // the camera is 1.65 m above the ground
+  const double expected_m = with.depth_m * DepthOptions().sigma_px / (700.0 * tan_a);
+  EXPECT_NEAR(std::sqrt(std::pow(with.sigma_m, 2) - std::pow(without.sigma_m, 2)), expected_m,
+              0.05 * expected_m);
+  EXPECT_GT(without.sigma_m, 0.02 / tan_a);  // the range's noise remains
 }
 
 TEST(DepthAssociation, OutliersAreLeftOutUnlessAskedFor) {

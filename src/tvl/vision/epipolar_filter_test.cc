@@ -47,7 +47,7 @@ TEST(EpipolarFilter, KeepsARigidSceneAndRejectsOutliers) {
 }
 
 TEST(EpipolarFilter, PassesEverythingAtStandstill) {
-  const Pairs pairs = Observe(Rigid3d(), 200, 0.3);
+  const Pairs pairs = Observe(Rigid3d(), 200, 0.65);  // of noise alone a model is soon made
   EpipolarFilterOptions options;
   EXPECT_EQ(Count(EpipolarInliers(pairs.previous, pairs.current, options), 0, 200), 200);
 }
