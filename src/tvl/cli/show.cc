@@ -107,6 +107,8 @@ cv::Mat DrawMapUpTo(const ShowArguments& arguments, const Dataset& dataset) {
 }
 
 void Show(const ShowArguments& arguments) {
+  TVL_CHECK_INPUT(cv::haveImageWriter(arguments.out))
+      << "--out " << arguments.out << ": want the name of a picture, such as tracks.png";
   InputOptions input;
   input.profile = arguments.profile;
   input.require_first_scan = false;
