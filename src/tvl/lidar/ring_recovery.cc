@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
+#include "tvl/lidar/ring_alignment.h"
 
 namespace tvl {
 namespace {
@@ -65,74 +65,35 @@ RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOption
   return DropStump(std::move(out));
 }
 
-// Median elevation of each ring, from points beyond 8 m where there are enough: nearer ones show
-// the beams' different origins.
-std::vector<double> RingElevations(const LidarScan& scan, const ScanGeometry& geometry,
-                                   const std::vector<uint16_t>& ring, int rings) {
-  std::vector<std::vector<float>> far(static_cast<size_t>(rings)), all(far);
+// Median of a ring's distances and heights, from points beyond 8 m where there are enough.
+std::vector<RingProfile> ProfileRings(const LidarScan& scan, const ScanGeometry& geometry,
+                                      const std::vector<uint16_t>& ring, int rings) {
+  // The median point by elevation stands for the ring.
+  struct Sample {
+    float tangent, distance_m;
+  };
+  std::vector<std::vector<Sample>> far(static_cast<size_t>(rings)), all(far);
   for (size_t i = 0; i < ring.size(); i += 3) {
     if (geometry.range_m[i] < 0.5f) continue;
-    const float elevation = std::asin(scan.points[i].z() / geometry.range_m[i]);
-    all[ring[i]].push_back(elevation);
-    if (geometry.range_m[i] > 8.0f) far[ring[i]].push_back(elevation);
+    const float distance_m = scan.points[i].head<2>().norm();
+    const Sample sample{scan.points[i].z() / std::max(distance_m, 0.1f), distance_m};
+    all[ring[i]].push_back(sample);
+    if (distance_m > 8.0f) far[ring[i]].push_back(sample);
   }
-  std::vector<double> median(static_cast<size_t>(rings), 0.0);
-  for (size_t r = 0; r < median.size(); ++r) {
-    std::vector<float>& v = far[r].size() >= 30 ? far[r] : all[r];
+  std::vector<RingProfile> profiles(static_cast<size_t>(rings));
+  for (size_t r = 0; r < profiles.size(); ++r) {
+    std::vector<Sample>& v = far[r].size() >= 30 ? far[r] : all[r];
     if (v.empty()) {
-      median[r] = r > 0 ? median[r - 1] : 0.0;
+      if (r > 0) profiles[r] = profiles[r - 1];
       continue;
     }
     const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-    std::nth_element(v.begin(), middle, v.end());
-    median[r] = static_cast<double>(*middle);
+    std::nth_element(v.begin(), middle, v.end(),
+                     [](const Sample& a, const Sample& b) { return a.tangent < b.tangent; });
+    profiles[r] = {static_cast<double>(middle->distance_m),
+                   static_cast<double>(middle->tangent * middle->distance_m)};
   }
-  return median;
-}
-
-struct PathResult {
-  double cost = std::numeric_limits<double>::infinity();
-  std::vector<int> row;
-};
-
-// Cheapest assignment for one offset: squared elevation differences, a penalty for two rings in
-// one row. Dynamic programming over (ring, row).
-PathResult AlignAtOffset(const std::vector<double>& ring, const std::vector<double>& beam,
-                         double offset_rad) {
-  constexpr double kSharedRowPenalty = 1e-3;  // rad^2: (1.8 deg)^2, more than any real mismatch
-  const size_t rings = ring.size(), rows = beam.size();
-  std::vector<double> cost(rows);
-  std::vector<int> from(rings * rows, -1);
-  for (size_t k = 0; k < rings; ++k) {
-    std::vector<double> next(rows);
-    double best = std::numeric_limits<double>::infinity();
-    int best_row = -1;
-    for (size_t r = 0; r < rows; ++r) {
-      const double d = ring[k] - offset_rad - beam[r];
-      double base = 0.0;
-      if (k > 0) {
-        const double shared = cost[r] + kSharedRowPenalty;
-        base = std::min(best, shared);
-        from[k * rows + r] = shared < best ? static_cast<int>(r) : best_row;
-        if (cost[r] < best) {
-          best = cost[r];
-          best_row = static_cast<int>(r);
-        }
-      }
-      next[r] = base + d * d;
-    }
-    cost.swap(next);
-  }
-  PathResult result;
-  const auto last = std::min_element(cost.begin(), cost.end());
-  result.cost = *last;
-  result.row.resize(rings);
-  int r = static_cast<int>(last - cost.begin());
-  for (size_t k = rings; k-- > 0;) {
-    result.row[k] = r;
-    r = from[k * rows + static_cast<size_t>(r)];
-  }
-  return result;
+  return profiles;
 }
 
 RingAssignment UseGivenRings(const LidarScan& scan, const LidarModel& model, RingAssignment out) {
@@ -170,26 +131,6 @@ void RingRecoveryOptions::Check() const {
   TVL_CHECK_INPUT(min_range_m >= 0.0) << "rings.min_range_m: must not be negative";
 }
 
-RingAlignment AlignRingsToBeams(const std::vector<double>& ring_elevation_rad,
-                                const std::vector<double>& beam_elevation_rad) {
-  TVL_CHECK(!ring_elevation_rad.empty() && !beam_elevation_rad.empty());
-  const double rings = static_cast<double>(ring_elevation_rad.size());
-  RingAlignment best;
-  double best_score = std::numeric_limits<double>::infinity();
-  for (int step = -30; step <= 30; ++step) {
-    const double offset_rad = DegToRad(0.05 * step);
-    PathResult path = AlignAtOffset(ring_elevation_rad, beam_elevation_rad, offset_rad);
-    // Offsets are not free: among equal fits the smaller wins.
-    const double score = path.cost / rings + 1e-3 * offset_rad * offset_rad;
-    if (score >= best_score) continue;
-    best_score = score;
-    best.row = std::move(path.row);
-    best.offset_rad = offset_rad;
-    best.rms_rad = std::sqrt(path.cost / rings);
-  }
-  return best;
-}
-
 RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             const LidarModel& model, const RingRecoveryOptions& options,
                             RingAssignment reuse) {
@@ -200,12 +141,13 @@ RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
   CheckStoredByRing(scan.size(), out.rings_found, model);
   out.rows = model.rows() > 0 ? model.rows() : out.rings_found;
   out.source = RingSource::kOneToOne;
-  out.elevation_offset_rad = out.elevation_rms_rad = 0.0;
+  out.elevation_offset_rad = out.origin_height_m = out.elevation_rms_rad = 0.0;
   if (out.rings_found == out.rows || scan.size() == 0) return out;
   const RingAlignment alignment = AlignRingsToBeams(
-      RingElevations(scan, geometry, out.row, out.rings_found), model.beam_elevation_rad);
+      ProfileRings(scan, geometry, out.row, out.rings_found), model.beam_elevation_rad);
   out.source = RingSource::kAligned;
   out.elevation_offset_rad = alignment.offset_rad;
+  out.origin_height_m = alignment.origin_height_m;
   out.elevation_rms_rad = alignment.rms_rad;
   for (uint16_t& r : out.row) r = static_cast<uint16_t>(alignment.row[r]);
   return out;

@@ -41,7 +41,8 @@ struct RingAssignment {
   // Evidence.
   int rings_found = 0;                // distinct rings
   double elevation_offset_rad = 0.0;  // kAligned: measured minus modelled elevation, common part
-  double elevation_rms_rad = 0.0;     // kAligned: what remains
+  double origin_height_m = 0.0;    // kAligned: of the beams over the sensor's origin, common part
+  double elevation_rms_rad = 0.0;  // kAligned: what remains
 };
 
 // `geometry` belongs to `scan`. Throws InputError if a given ring lies outside the sensor's beams,
@@ -49,16 +50,5 @@ struct RingAssignment {
 RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             const LidarModel& model, const RingRecoveryOptions& options,
                             RingAssignment reuse = {});
-
-// Rows, in rising order, that rings of the given elevations (topmost first) belong to, given the
-// beams' elevations. A common offset of up to 1.5 deg is allowed for; rows may stay empty; where
-// there are more rings than beams some share a row.
-struct RingAlignment {
-  std::vector<int> row;  // one a ring
-  double offset_rad = 0.0;
-  double rms_rad = 0.0;
-};
-RingAlignment AlignRingsToBeams(const std::vector<double>& ring_elevation_rad,
-                                const std::vector<double>& beam_elevation_rad);
 
 }  // namespace tvl

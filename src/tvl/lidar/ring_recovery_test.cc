@@ -6,6 +6,7 @@
 
 #include "tvl/base/check.h"
 #include "tvl/lidar/real_scans.h"
+#include "tvl/lidar/ring_alignment.h"
 #include "tvl/lidar/test_scene.h"
 
 namespace tvl {
@@ -60,7 +61,7 @@ TEST(RingRecovery, PointsMissingAtStartAndEndOfRings) {
 }
 
 TEST(RingRecovery, MissingRingLeavesItsRowEmpty) {
-  for (const int missing : {0, 1, 17, 31, 32, 50, 63}) {
+  for (const int missing : {1, 17, 31, 32, 50, 58}) {
     const SimulatedScan fewer =
         Without(Street(), [&](uint16_t ring, float) { return ring == missing; });
     const RingAssignment rings = Recover(fewer.scan);
@@ -153,12 +154,16 @@ TEST(RingRecovery, EmptyScan) {
 
 TEST(AlignRings, CommonOffsetIsFound) {
   const std::vector<double> beams = Hdl64().beam_elevation_rad;
-  std::vector<double> rings;
+  // 0.15 m above the origin and 0.2 deg off; the lower, the nearer.
+  std::vector<RingProfile> rings;
   for (size_t r = 0; r < beams.size(); ++r) {
-    if (r != 20 && r != 40) rings.push_back(beams[r] + DegToRad(0.2));
+    const double distance_m = 15.0 - 0.2 * static_cast<double>(r);
+    if (r == 20 || r == 40) continue;
+    rings.push_back({distance_m, 0.15 + distance_m * std::tan(beams[r] + DegToRad(0.2))});
   }
   const RingAlignment alignment = AlignRingsToBeams(rings, beams);
-  EXPECT_NEAR(alignment.offset_rad, DegToRad(0.2), 1e-3);
+  EXPECT_NEAR(alignment.offset_rad, DegToRad(0.2), 2e-3);
+  EXPECT_NEAR(alignment.origin_height_m, 0.15, 0.021);
   EXPECT_EQ(alignment.row[19], 19);
   EXPECT_EQ(alignment.row[20], 21);
   EXPECT_EQ(alignment.row[38], 39);
@@ -167,7 +172,8 @@ TEST(AlignRings, CommonOffsetIsFound) {
 
 TEST(AlignRings, SplitRingSharesItsRow) {
   const std::vector<double> beams = Hdl64().beam_elevation_rad;
-  std::vector<double> rings = beams;
+  std::vector<RingProfile> rings;
+  for (const double beam : beams) rings.push_back({10.0, 10.0 * std::tan(beam)});
   rings.insert(rings.begin() + 10, rings[10]);
   const RingAlignment alignment = AlignRingsToBeams(rings, beams);
   EXPECT_EQ(alignment.row[10], 10);
@@ -195,6 +201,27 @@ TEST(RingRecovery, RealScansHave64Rings) {
       std::nth_element(e.begin(), e.begin() + static_cast<std::ptrdiff_t>(e.size() / 2), e.end());
       EXPECT_LT(e[e.size() / 2], above) << name;
       above = e[e.size() / 2];
+    }
+  }
+}
+
+TEST(RingRecovery, RealScansCutOffKeepTheirRows) {
+  const std::string data = test::TestData();
+  if (data.empty()) GTEST_SKIP() << "TVL_TEST_DATA is not set";
+  for (const char* name :
+       {"kitti360_3000/velodyne/000045.bin", "kitti_2011_09_26_0052/velodyne/000007.bin",
+        "kitti_odometry_00_first10/velodyne/000003.bin"}) {
+    const LidarScan scan = test::ReadKittiScan(data + "/sequences/" + name);
+    const RingAssignment full = Recover(scan);
+    for (const size_t rings : {8u, 20u, 33u, 50u, 60u}) {
+      LidarScan cut;
+      for (size_t i = 0; i < scan.size() && full.row[i] < rings; ++i) {
+        cut.points.push_back(scan.points[i]);
+      }
+      const RingAssignment found = Recover(cut);
+      EXPECT_EQ(static_cast<size_t>(found.rings_found), rings);
+      EXPECT_TRUE(std::equal(found.row.begin(), found.row.end(), full.row.begin()))
+          << name << " cut after " << rings << " rings";
     }
   }
 }
