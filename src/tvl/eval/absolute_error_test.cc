@@ -36,9 +36,17 @@ TEST(AlignPositions, NeverMirrorsAndNeverScales) {
   for (const Rigid3d& pose : truth) {
     mirrored.push_back(Rigid3d::Translation(-pose.t().x(), pose.t().y(), pose.t().z()));
   }
+  // The best rotation: every small step from it is worse.
   const Rigid3d T = AlignPositions(truth, mirrored);
-  EXPECT_NEAR(T.R().determinant(), 1.0, 1e-9);
-  EXPECT_GT(SummariseErrors(PositionErrors_m(truth, mirrored, T)).rmse_m, 1.0);
+  const auto rmse_m = [&](const Rigid3d& T_truth_estimate) {
+    return SummariseErrors(PositionErrors_m(truth, mirrored, T_truth_estimate)).rmse_m;
+  };
+  EXPECT_GT(rmse_m(T), 1.0);
+  for (int i = 0; i < 6; ++i) {
+    for (const double step : {-1e-3, 1e-3}) {
+      EXPECT_GT(rmse_m(T * Rigid3d::Exp(step * Vector6d::Unit(i))), rmse_m(T)) << i;
+    }
+  }
   const std::vector<Rigid3d> large = Scaled(truth, 1.1);
   EXPECT_GT(SummariseErrors(PositionErrors_m(truth, large, AlignPositions(truth, large))).rmse_m,
             1.0);
