@@ -280,7 +280,7 @@ CameraRenderer::CameraRenderer(const Scene& scene, const Camera& camera,
     : scene_(scene),
       camera_(Checked(camera)),
       options_(options),
-      textures_(Rng::Mix(options.seed)),
+      textures_({Rng::Mix(options.seed), options.has_identical_houses}),
       lighting_(options.lighting),
       film_(Seeded(options.film, options.seed)),
       rays_(PixelRays(camera)) {

@@ -16,10 +16,11 @@
 namespace tvl::sim {
 
 struct CameraRenderOptions {
-  uint64_t seed = 1;           // of textures and noise
-  double max_range_m = 500.0;  // the sky begins there
-  bool sun_shadows = true;     // cast hard shadows
-  int edge_samples = 2;        // further rays through a pixel on an outline; 0: none
+  uint64_t seed = 1;                  // of textures and noise
+  bool has_identical_houses = false;  // to the last stain, see TextureOptions
+  double max_range_m = 500.0;         // the sky begins there
+  bool sun_shadows = true;            // cast hard shadows
+  int edge_samples = 2;               // further rays through a pixel on an outline; 0: none
   LightingOptions lighting;
   FilmOptions film;  // its seed is mixed with `seed`
   // Throws InputError naming the field.

@@ -40,7 +40,7 @@ TEST(Lighting, SurfacesTurnedAwayGetNoSunButLeavesLetItThrough) {
 
 TEST(Lighting, SkyOutshinesWhiteAtTheHorizon) {
   const Lighting lighting({});
-  const TownTextures textures(1);
+  const TownTextures textures({});
   EXPECT_GT(lighting.Sky(Eigen::Vector3f::UnitX(), textures), 0.9F);
   EXPECT_GT(lighting.Sky(Eigen::Vector3f::UnitX(), textures),
             lighting.Sky(Eigen::Vector3f::UnitZ(), textures));

@@ -5,6 +5,8 @@
 
 #include "tvl/base/check.h"
 #include "tvl/base/parallel.h"
+#include "tvl/base/rng.h"
+#include "tvl/base/units.h"
 #include "tvl/io/profile.h"
 #include "tvl/sim/camera_renderer.h"
 #include "tvl/sim/lidar_sensor.h"
@@ -14,6 +16,8 @@
 
 namespace tvl::sim {
 namespace {
+
+constexpr uint64_t kSunStream = 701;
 
 // Camera 0 and its place of KITTI odometry 00, rounded.
 Calibration KittiLikeCalibration() {
@@ -79,6 +83,10 @@ LidarSensorOptions LidarOptionsFor(const SimOptions& options) {
 CameraRenderOptions CameraOptionsFor(const SimOptions& options) {
   CameraRenderOptions camera;
   camera.seed = options.seed;
+  camera.has_identical_houses = options.preset == "aliasing";
+  Rng rng(options.seed, kSunStream);
+  camera.lighting.sun_azimuth_rad = rng.Uniform(0.0, 2.0 * kPi);
+  camera.lighting.sun_elevation_rad = rng.Uniform(0.6, 0.95);
   return camera;
 }
 

@@ -81,19 +81,27 @@ float Bars(float x, float period, float width, float footprint) {
       1.0F, Within(in, 0.0F, width, footprint) + Within(in, period, period + width, footprint));
 }
 
+bool IsOfHouse(Material material) {
+  return material == Material::kPlaster || material == Material::kBrick ||
+         material == Material::kConcrete || material == Material::kWindowGlass ||
+         material == Material::kWindowFrame || material == Material::kDoor ||
+         material == Material::kRoof;
+}
+
 }  // namespace
 
-TownTextures::TownTextures(uint64_t seed)
-    : seed_(seed),
-      noise_(PaintNoise(seed + 1, 0.3), kPatternPeriod_m),
-      asphalt_(PaintAsphalt(seed + 2), kPatternPeriod_m),
-      bricks_(PaintBricks(seed + 3), kPatternPeriod_m),
-      plaster_(PaintPlaster(seed + 4), kPatternPeriod_m),
-      leaves_(PaintLeaves(seed + 5), kPatternPeriod_m),
-      grass_(PaintGrass(seed + 6), kPatternPeriod_m),
-      slabs_(PaintSlabs(seed + 7), kPatternPeriod_m),
-      roof_tiles_(PaintRoofTiles(seed + 8), kPatternPeriod_m),
-      lining_(PaintTunnelLining(seed + 9), kPatternPeriod_m) {}
+TownTextures::TownTextures(const TextureOptions& options)
+    : seed_(options.seed),
+      has_identical_houses_(options.has_identical_houses),
+      noise_(PaintNoise(seed_ + 1, 0.3), kPatternPeriod_m),
+      asphalt_(PaintAsphalt(seed_ + 2), kPatternPeriod_m),
+      bricks_(PaintBricks(seed_ + 3), kPatternPeriod_m),
+      plaster_(PaintPlaster(seed_ + 4), kPatternPeriod_m),
+      leaves_(PaintLeaves(seed_ + 5), kPatternPeriod_m),
+      grass_(PaintGrass(seed_ + 6), kPatternPeriod_m),
+      slabs_(PaintSlabs(seed_ + 7), kPatternPeriod_m),
+      roof_tiles_(PaintRoofTiles(seed_ + 8), kPatternPeriod_m),
+      lining_(PaintTunnelLining(seed_ + 9), kPatternPeriod_m) {}
 
 float TownTextures::OfObject(uint32_t object, uint32_t what) const {
   return ToUnit(Rng::Mix(seed_ ^ (static_cast<uint64_t>(object) * 0x9e3779b97f4a7c15ULL + what)));
@@ -106,6 +114,13 @@ float TownTextures::OfCell(int x, int y, uint32_t what) const {
 }
 
 float TownTextures::Albedo(const SurfacePoint& at) const {
+  if (!has_identical_houses_ || !IsOfHouse(at.material)) return AlbedoOf(at);
+  SurfacePoint same = at;
+  same.object = 0;
+  return AlbedoOf(same);
+}
+
+float TownTextures::AlbedoOf(const SurfacePoint& at) const {
   switch (at.material) {
     case Material::kAsphalt:
       return Asphalt(at);

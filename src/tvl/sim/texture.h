@@ -24,10 +24,16 @@ struct SurfacePoint {
   float minor_m = 0.01F;
 };
 
+struct TextureOptions {
+  uint64_t seed = 1;
+  // Houses look alike stain by stain: streets that a camera cannot tell apart.
+  bool has_identical_houses = false;
+};
+
 // Immutable, thread-safe. Construction paints about 12 MB of patterns (0.2 s).
 class TownTextures {
  public:
-  explicit TownTextures(uint64_t seed);
+  explicit TownTextures(const TextureOptions& options);
 
   // Share of the light that is sent back, 0..1.
   float Albedo(const SurfacePoint& at) const;
@@ -36,6 +42,7 @@ class TownTextures {
   float Clouds(float u, float v, float footprint) const { return noise_.Sample(u, v, footprint); }
 
  private:
+  float AlbedoOf(const SurfacePoint& at) const;
   float Asphalt(const SurfacePoint& at) const;
   float RoadMarking(const SurfacePoint& at) const;
   float Ground(const SurfacePoint& at, const TextureTile& tile, float base, float contrast) const;
@@ -59,6 +66,7 @@ class TownTextures {
   float OfCell(int x, int y, uint32_t what) const;
 
   uint64_t seed_;
+  bool has_identical_houses_;
   TextureTile noise_, asphalt_, bricks_, plaster_, leaves_, grass_, slabs_, roof_tiles_, lining_;
 };
 

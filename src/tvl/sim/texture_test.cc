@@ -10,7 +10,7 @@ namespace tvl::sim {
 namespace {
 
 const TownTextures& Town() {
-  static const TownTextures textures(7);
+  static const TownTextures textures({7, false});
   return textures;
 }
 
@@ -69,8 +69,8 @@ TEST(TownTextures, FarSurfacesKeepTheirBrightness) {
 }
 
 TEST(TownTextures, IsAFunctionOfPlaceObjectAndSeed) {
-  const TownTextures same(7);
-  const TownTextures other(8);
+  const TownTextures same({7, false});
+  const TownTextures other({8, false});
   int differ_seed = 0;
   int differ_object = 0;
   for (int i = 0; i < 100; ++i) {
@@ -83,6 +83,21 @@ TEST(TownTextures, IsAFunctionOfPlaceObjectAndSeed) {
   }
   EXPECT_GT(differ_seed, 80);
   EXPECT_GT(differ_object, 80);
+}
+
+TEST(TownTextures, HousesCanBeMadeAlikeWhileCarsStayThemselves) {
+  const TownTextures alike({7, true});
+  SurfacePoint house = Wall(Material::kBrick, 1.3F, 2.0F, 0.01F);
+  SurfacePoint car = Wall(Material::kCarPaint, 0.3F, 0.7F, 0.01F);
+  int cars_differ = 0;
+  const float first_house = alike.Albedo(house);
+  const float first_car = alike.Albedo(car);
+  for (uint32_t object = 10; object < 30; ++object) {
+    house.object = car.object = object;
+    EXPECT_EQ(alike.Albedo(house), first_house);
+    cars_differ += alike.Albedo(car) != first_car;
+  }
+  EXPECT_GT(cars_differ, 5);
 }
 
 TEST(TownTextures, ChangesLittleOverAHundredthOfThePixel) {
