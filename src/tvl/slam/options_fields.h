@@ -1,0 +1,298 @@
+// The one list of option fields: loading, dumping and checking all walk it, so they cannot
+// disagree.
+//
+// A new field needs one line here (TVL_FIELD with its name) and a row in docs/options.md; a new
+// struct needs a VisitFields of its own. options_io_test.cc fails until that is done.
+//
+// A visitor is called as visit("name", field) for each field in the order of the struct; a field
+// that is itself a struct of options is handed over whole.
+#pragma once
+
+#include "tvl/slam/slam_runner.h"
+
+namespace tvl {
+
+// The name in the code is the name in the file: that takes the preprocessor.
+#define TVL_FIELD(name) visit(#name, options.name)
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, ImagePreparationOptions& options) {
+  TVL_FIELD(clahe_clip);
+  TVL_FIELD(clahe_tiles);
+  TVL_FIELD(min_mean_level);
+  TVL_FIELD(min_contrast_level);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, OpticalFlowOptions& options) {
+  TVL_FIELD(window_px);
+  TVL_FIELD(max_level);
+  TVL_FIELD(seeded_level);
+  TVL_FIELD(max_iterations);
+  TVL_FIELD(min_step_px);
+  TVL_FIELD(max_backward_error_px);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, EpipolarFilterOptions& options) {
+  TVL_FIELD(reference_focal_px);
+  TVL_FIELD(max_distance_px);
+  TVL_FIELD(confidence);
+  TVL_FIELD(min_median_flow_px);
+  TVL_FIELD(min_points);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, CornerDetectorOptions& options) {
+  TVL_FIELD(min_distance_px);
+  TVL_FIELD(quality);
+  TVL_FIELD(cell_px);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, FeatureTrackerOptions& options) {
+  TVL_FIELD(max_features);
+  TVL_FIELD(refill_share);
+  TVL_FIELD(min_kept_share);
+  TVL_FIELD(image);
+  TVL_FIELD(flow);
+  TVL_FIELD(epipolar);
+  TVL_FIELD(corners);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, RingRecoveryOptions& options) {
+  TVL_FIELD(start_azimuth_rad);
+  TVL_FIELD(max_backstep_rad);
+  TVL_FIELD(min_range_m);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, GroundOptions& options) {
+  TVL_FIELD(max_slope_rad);
+  TVL_FIELD(max_step_m);
+  TVL_FIELD(height_noise_m);
+  TVL_FIELD(steep_rad);
+  TVL_FIELD(seed_radius_m);
+  TVL_FIELD(max_seed_tilt_rad);
+  TVL_FIELD(seed_tolerance_m);
+  TVL_FIELD(min_seed_points);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, ClusterOptions& options) {
+  TVL_FIELD(min_angle_rad);
+  TVL_FIELD(range_noise_m);
+  TVL_FIELD(min_line_angle_rad);
+  TVL_FIELD(line_tolerance_m);
+  TVL_FIELD(line_tolerance_share);
+  TVL_FIELD(max_bridged_cells);
+  TVL_FIELD(min_points);
+  TVL_FIELD(min_rows);
+  TVL_FIELD(min_points_with_rows);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, SegmentationOptions& options) {
+  TVL_FIELD(rings);
+  TVL_FIELD(ground);
+  TVL_FIELD(clusters);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, CurvatureOptions& options) {
+  TVL_FIELD(half_window);
+  TVL_FIELD(half_window_m);
+  TVL_FIELD(max_half_window);
+  TVL_FIELD(occlusion_step_m);
+  TVL_FIELD(max_gap_columns);
+  TVL_FIELD(parallel_share);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, LaserFeatureOptions& options) {
+  TVL_FIELD(curvature);
+  TVL_FIELD(min_edge_curvature);
+  TVL_FIELD(edge_noise_sigmas);
+  TVL_FIELD(subregions);
+  TVL_FIELD(sharp_per_subregion);
+  TVL_FIELD(less_sharp_per_subregion);
+  TVL_FIELD(flat_per_subregion);
+  TVL_FIELD(less_flat_voxel_m);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, DepthOptions& options) {
+  TVL_FIELD(half_height_gaps);
+  TVL_FIELD(default_gap_rad);
+  TVL_FIELD(half_width_rad);
+  TVL_FIELD(min_depth_m);
+  TVL_FIELD(max_depth_m);
+  TVL_FIELD(use_outlier_points);
+  TVL_FIELD(min_triangle_area_rad_sq);
+  TVL_FIELD(least_squares_points);
+  TVL_FIELD(max_spread_m);
+  TVL_FIELD(max_ray_rms);
+  TVL_FIELD(min_incidence_rad);
+  TVL_FIELD(max_extrapolation);
+  TVL_FIELD(sigma_px);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, PreprocessingOptions& options) {
+  TVL_FIELD(vision);
+  TVL_FIELD(segmentation);
+  TVL_FIELD(features);
+  TVL_FIELD(depth);
+  TVL_FIELD(correct_depth_points);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, WeaknessOptions& options) {
+  TVL_FIELD(normal_sigma_rad);
+  TVL_FIELD(weak_translation);
+  TVL_FIELD(held_translation);
+  TVL_FIELD(weak_rotation);
+  TVL_FIELD(held_rotation);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, CovarianceOptions& options) {
+  TVL_FIELD(inflation);
+  TVL_FIELD(floor_translation);
+  TVL_FIELD(floor_rotation_rad_per_m);
+  TVL_FIELD(floor_translation_m);
+  TVL_FIELD(floor_rotation_rad);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, LaserMatchOptions& options) {
+  TVL_FIELD(edge_sigma_m);
+  TVL_FIELD(plane_sigma_m);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, VisualMatchOptions& options) {
+  TVL_FIELD(sigma_px);
+  TVL_FIELD(max_relative_sigma);
+  TVL_FIELD(min_baseline_m);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, OdometryOptions& options) {
+  TVL_FIELD(laser);
+  TVL_FIELD(visual);
+  TVL_FIELD(kernel_sigmas);
+  TVL_FIELD(visual_kernel_sigmas);
+  TVL_FIELD(visual_gate_sigmas);
+  TVL_FIELD(max_refreshes);
+  TVL_FIELD(first_gate_m);
+  TVL_FIELD(last_gate_m);
+  TVL_FIELD(stop_rotation_rad);
+  TVL_FIELD(stop_translation_m);
+  TVL_FIELD(min_matches);
+  TVL_FIELD(prior_sigma_m);
+  TVL_FIELD(prior_sigma_rad);
+  TVL_FIELD(max_start_step_m);
+  TVL_FIELD(use_camera);
+  TVL_FIELD(weakness);
+  TVL_FIELD(covariance);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, KeyframeOptions& options) {
+  TVL_FIELD(min_translation_m);
+  TVL_FIELD(min_rotation_rad);
+  TVL_FIELD(dense_keyframes);
+  TVL_FIELD(dense_share);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, SurfelOptions& options) {
+  TVL_FIELD(min_points);
+  TVL_FIELD(max_thickness_m);
+  TVL_FIELD(min_shape_ratio);
+  TVL_FIELD(min_extent_share);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, SurfelMapOptions& options) {
+  TVL_FIELD(kind);
+  TVL_FIELD(sizes_m);
+  TVL_FIELD(surfel);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, LocalMapOptions& options) {
+  TVL_FIELD(keep_path_m);
+  TVL_FIELD(planes);
+  TVL_FIELD(lines);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, LandmarkOptions& options) {
+  TVL_FIELD(sigma_px);
+  TVL_FIELD(drift_px);
+  TVL_FIELD(max_relative_sigma);
+  TVL_FIELD(reanchor_share);
+  TVL_FIELD(gate_chi2);
+  TVL_FIELD(max_rejections);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, ScanToMapOptions& options) {
+  TVL_FIELD(source_voxel_m);
+  TVL_FIELD(sensor_sigma_m);
+  TVL_FIELD(edge_sigma_m);
+  TVL_FIELD(kernel_sigmas);
+  TVL_FIELD(visual_kernel_sigmas);
+  TVL_FIELD(visual_gate_sigmas);
+  TVL_FIELD(max_refreshes);
+  TVL_FIELD(first_gate_m);
+  TVL_FIELD(last_gate_m);
+  TVL_FIELD(stop_rotation_rad);
+  TVL_FIELD(stop_translation_m);
+  TVL_FIELD(min_matches);
+  TVL_FIELD(prior_share);
+  TVL_FIELD(use_camera);
+  TVL_FIELD(weakness);
+  TVL_FIELD(covariance);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, MappingOptions& options) {
+  TVL_FIELD(interval);
+  TVL_FIELD(keyframes);
+  TVL_FIELD(local_map);
+  TVL_FIELD(landmarks);
+  TVL_FIELD(scan_to_map);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, SlamOptions& options) {
+  TVL_FIELD(preprocessing);
+  TVL_FIELD(odometry);
+  TVL_FIELD(mapping);
+  TVL_FIELD(use_camera);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, DeskewDecisionOptions& options) {
+  TVL_FIELD(max_frames);
+  TVL_FIELD(min_informative);
+  TVL_FIELD(min_shift_m);
+  TVL_FIELD(min_significance);
+}
+
+#undef TVL_FIELD
+
+// A whole file: the system's options at its top level, and the de-skewing. The number of threads is
+// no part of it: it belongs to the machine and never changes a result.
+template <typename Visitor>
+void VisitFields(Visitor& visit, RunOptions& options) {
+  visit("deskew", options.deskew);
+  visit("deskew_decision", options.decision);
+  VisitFields(visit, options.slam);
+}
+
+}  // namespace tvl
