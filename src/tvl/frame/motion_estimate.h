@@ -30,7 +30,8 @@ struct EstimateEvidence {
   int iterations = 0;
   int edges = 0, planes = 0;  // laser residuals in the last iteration
   int visual = 0;             // visual residuals in the last iteration
-  double edge_rms_m = 0, plane_rms_m = 0, visual_rms_px = 0;
+  double edge_rms_m = 0, plane_rms_m = 0;
+  double visual_rms = 0;  // on the normalised image plane: times f gives pixels
 };
 
 struct MotionEstimate {

@@ -95,8 +95,30 @@ NormalEquations PriorTerm(const PosePrior& prior, double share, const Rigid3d& T
 struct Problem {
   LaserMatches laser;
   VisualMatches visual;
-  Matrix6d lidar_mask = Matrix6d::Identity();
+  Weakness weakness;
 };
+
+// What there is to match with what.
+struct Sources {
+  const MapStepPoints& points;
+  const LocalMap& map;
+  const LandmarkMap& landmarks;
+  const FeatureTracks& tracks;
+};
+
+EstimateEvidence Evidence(const Problem& problem, const LaserSum& laser, const VisualSum& visual) {
+  const auto rms = [](double sum, size_t n) {
+    return n == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(n));
+  };
+  EstimateEvidence evidence;
+  evidence.planes = static_cast<int>(problem.laser.planes.size());
+  evidence.edges = static_cast<int>(problem.laser.lines.size());
+  evidence.visual = static_cast<int>(problem.visual.size());
+  evidence.plane_rms_m = rms(laser.plane_sq_m2, problem.laser.planes.size());
+  evidence.edge_rms_m = rms(laser.line_sq_m2, problem.laser.lines.size());
+  evidence.visual_rms = rms(visual.squared, static_cast<size_t>(visual.count));
+  return evidence;
+}
 
 class Refiner {
  public:
@@ -111,7 +133,7 @@ class Refiner {
     return Linearize(problem.visual, T, T_cam_lidar_, options_.visual_kernel_sigmas);
   }
   NormalEquations WithoutCamera(const Problem& problem, const Rigid3d& T) const {
-    NormalEquations sum = Masked(Laser(problem, T).normal, problem.lidar_mask);
+    NormalEquations sum = Masked(Laser(problem, T).normal, problem.weakness.lidar_mask);
     sum += PriorTerm(prior_, options_.prior_share, T);
     return sum;
   }
@@ -120,6 +142,43 @@ class Refiner {
     sum += Visual(problem, T).normal;
     return sum;
   }
+  // Correspondences at T, the lidar's weak directions, and the landmarks that agree.
+  Problem Match(const Sources& sources, const Rigid3d& T, double gate_m) const {
+    Problem problem;
+    problem.laser.planes = MatchPlanes(sources.points.planes, sources.map.planes(), T, gate_m,
+                                       options_, executor_);
+    problem.laser.lines =
+        MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, options_);
+    if (options_.use_camera) problem.visual.forward = sources.landmarks.Match(sources.tracks, T);
+    problem.weakness =
+        AnalyseWeakness(Laser(problem, T), Visual(problem, T).normal, options_.weakness);
+    if (options_.use_camera) problem.visual = GateVisual(problem, T);
+    return problem;
+  }
+  bool IsSmall(const Vector6d& step) const {
+    return step.head<3>().norm() < options_.stop_rotation_rad &&
+           step.tail<3>().norm() < options_.stop_translation_m;
+  }
+  ScanToMapResult Describe(const Problem& problem, const Rigid3d& T) const {
+    ScanToMapResult result;
+    result.estimate.T_ref_body = T;
+    result.estimate.weak = problem.weakness.directions;
+    result.estimate.evidence = Evidence(problem, Laser(problem, T), Visual(problem, T));
+    result.estimate.covariance =
+        HonestCovariance(All(problem, T).H, prior_.step_m, options_.covariance);
+    result.translation_ratio = problem.weakness.translation_ratio;
+    result.rotation_ratio = problem.weakness.rotation_ratio;
+    return result;
+  }
+
+  PoseSolution Solve(const Problem& problem, const Rigid3d& T) const {
+    PoseSolverOptions solver;
+    solver.max_iterations = 3;
+    return SolvePose(
+        T, [&](const Rigid3d& candidate) { return All(problem, candidate); }, solver);
+  }
+
+ private:
   // The landmarks that agree with what laser and prior say near T.
   VisualMatches GateVisual(const Problem& problem, const Rigid3d& T) const {
     PoseSolverOptions solver;
@@ -129,33 +188,12 @@ class Refiner {
     const Matrix6d covariance = HonestCovariance(alone.at_T.H, prior_.step_m, options_.covariance);
     return Gate(problem.visual, alone.T, T_cam_lidar_, covariance, options_.visual_gate_sigmas);
   }
-  PoseSolution Solve(const Problem& problem, const Rigid3d& T) const {
-    PoseSolverOptions solver;
-    solver.max_iterations = 3;
-    return SolvePose(
-        T, [&](const Rigid3d& candidate) { return All(problem, candidate); }, solver);
-  }
 
- private:
   const Rigid3d& T_cam_lidar_;
   const PosePrior& prior_;
   const ScanToMapOptions& options_;
   const Executor& executor_;
 };
-
-EstimateEvidence Evidence(const Problem& problem, const LaserSum& laser, const VisualSum& visual) {
-  const auto rms = [](double sum, size_t n) {
-    return n == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(n));
-  };
-  EstimateEvidence evidence;
-  evidence.planes = static_cast<int>(problem.laser.planes.size());
-  evidence.edges = static_cast<int>(problem.laser.lines.size());
-  evidence.visual = static_cast<int>(problem.visual.size());
-  evidence.plane_rms_m = rms(laser.plane_sq_m2, problem.laser.planes.size());
-  evidence.edge_rms_m = rms(laser.line_sq_m2, problem.laser.lines.size());
-  evidence.visual_rms_px = rms(visual.squared, static_cast<size_t>(visual.count));
-  return evidence;
-}
 
 }  // namespace
 
@@ -183,41 +221,23 @@ ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
                            const Rigid3d& T_cam_lidar, const PosePrior& prior,
                            const ScanToMapOptions& options, const Executor& executor) {
   const Refiner refiner(T_cam_lidar, prior, options, executor);
+  const Sources sources{points, map, landmarks, tracks};
   Problem problem;
   Rigid3d T = prior.T_world_lidar;
+  EstimateStatus status = EstimateStatus::kNotConverged;
   double gate_m = options.first_gate_m;
-  ScanToMapResult result;
-  result.estimate.status = EstimateStatus::kNotConverged;
-  Weakness weakness;
-  for (int i = 0; i < options.max_refreshes; ++i) {
-    problem.laser.planes = MatchPlanes(points.planes, map.planes(), T, gate_m, options, executor);
-    problem.laser.lines = MatchLines(points.edges, map.lines(), T, gate_m, options);
-    if (options.use_camera) problem.visual.forward = landmarks.Match(tracks, T);
-    weakness = AnalyseWeakness(refiner.Laser(problem, T), refiner.Visual(problem, T).normal,
-                               options.weakness);
-    problem.lidar_mask = weakness.lidar_mask;
-    if (options.use_camera) problem.visual = refiner.GateVisual(problem, T);
+  int refreshes = 0;
+  while (refreshes < options.max_refreshes && status != EstimateStatus::kConverged) {
+    problem = refiner.Match(sources, T, gate_m);
     const PoseSolution solution = refiner.Solve(problem, T);
-    const Vector6d step = (T.Inverse() * solution.T).Log();
+    if (refiner.IsSmall((T.Inverse() * solution.T).Log())) status = EstimateStatus::kConverged;
     T = solution.T;
-    result.estimate.evidence.iterations = i + 1;
     gate_m = std::max(options.last_gate_m, 0.5 * gate_m);
-    if (step.head<3>().norm() < options.stop_rotation_rad &&
-        step.tail<3>().norm() < options.stop_translation_m) {
-      result.estimate.status = EstimateStatus::kConverged;
-      break;
-    }
+    ++refreshes;
   }
-  const int iterations = result.estimate.evidence.iterations;
-  result.estimate.T_ref_body = T;
-  result.estimate.weak = weakness.directions;
-  result.translation_ratio = weakness.translation_ratio;
-  result.rotation_ratio = weakness.rotation_ratio;
-  result.estimate.evidence =
-      Evidence(problem, refiner.Laser(problem, T), refiner.Visual(problem, T));
-  result.estimate.evidence.iterations = iterations;
-  result.estimate.covariance =
-      HonestCovariance(refiner.All(problem, T).H, prior.step_m, options.covariance);
+  ScanToMapResult result = refiner.Describe(problem, T);
+  result.estimate.status = status;
+  result.estimate.evidence.iterations = refreshes;
   const EstimateEvidence& evidence = result.estimate.evidence;
   if (evidence.planes + evidence.edges + evidence.visual < options.min_matches) {
     result.estimate.status = EstimateStatus::kPredicted;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tvl/base/check.h"
 #include "tvl/factors/pose_prior.h"
@@ -18,7 +19,7 @@ struct VisualLidarOdometry::Problem {
   bool has_prior = false;
   LaserMatches laser;
   VisualMatches visual;
-  Matrix6d lidar_mask = Matrix6d::Identity();
+  Weakness weakness;
 
   size_t size() const { return laser.planes.size() + laser.lines.size() + visual.size(); }
   LaserSum Laser(const Rigid3d& T) const {
@@ -40,7 +41,7 @@ struct VisualLidarOdometry::Problem {
     return n;
   }
   NormalEquations WithoutCamera(const Rigid3d& T) const {
-    NormalEquations sum = Masked(Laser(T).normal, lidar_mask);
+    NormalEquations sum = Masked(Laser(T).normal, weakness.lidar_mask);
     sum += Prior(T);
     return sum;
   }
@@ -55,10 +56,35 @@ struct VisualLidarOdometry::Problem {
     visual = Gate(visual, alone.T, T_cam_lidar, covariance, options.visual_gate_sigmas);
   }
   NormalEquations All(const Rigid3d& T) const {
-    NormalEquations sum = Masked(Laser(T).normal, lidar_mask);
+    NormalEquations sum = Masked(Laser(T).normal, weakness.lidar_mask);
     sum += Visual(T).normal;
     sum += Prior(T);
     return sum;
+  }
+  PoseSolution Solve(const Rigid3d& T) const {
+    PoseSolverOptions solver;
+    solver.max_iterations = 3;
+    return SolvePose(T, [&](const Rigid3d& at) { return All(at); }, solver);
+  }
+  Matrix6d Covariance(const Rigid3d& T) const {
+    return HonestCovariance(All(T).H, T.t().norm(), options.covariance);
+  }
+  void Describe(const Rigid3d& T, MotionEstimate* estimate) const {
+    const LaserSum laser_sum = Laser(T);
+    const VisualSum visual_sum = Visual(T);
+    const auto rms = [](double sum, size_t n) {
+      return n == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(n));
+    };
+    estimate->T_ref_body = T;
+    estimate->covariance = Covariance(T);
+    estimate->weak = weakness.directions;
+    EstimateEvidence& evidence = estimate->evidence;
+    evidence.planes = static_cast<int>(laser.planes.size());
+    evidence.edges = static_cast<int>(laser.lines.size());
+    evidence.visual = static_cast<int>(visual.size());
+    evidence.plane_rms_m = rms(laser_sum.plane_sq_m2, laser.planes.size());
+    evidence.edge_rms_m = rms(laser_sum.line_sq_m2, laser.lines.size());
+    evidence.visual_rms = rms(visual_sum.squared, static_cast<size_t>(visual_sum.count));
   }
 };
 
@@ -120,65 +146,62 @@ double VisualLidarOdometry::Score(const PreprocessedFrame& frame, const Problem&
   return (cost + kUnmatchedCost * std::max(0.0, features - matched)) / std::max(1.0, features);
 }
 
-VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(const PreprocessedFrame& frame,
-                                                                 const Start& start,
-                                                                 const SweepBins& bins,
-                                                                 double period_s,
-                                                                 const Executor& executor) {
-  Problem problem{options_,
-                  calibration_.T_cam_lidar,
-                  bins,
-                  executor,
-                  start.T_prev_cur,
-                  start.is_predicted,
-                  {},
-                  {},
-                  {}};
-  const VisualFeatures current{frame.tracks, frame.depths};
+VisualLidarOdometry::Problem VisualLidarOdometry::MakeProblem(const Start& start,
+                                                              const SweepBins& bins,
+                                                              const Executor& executor) const {
+  return {options_, calibration_.T_cam_lidar, bins, executor, start.T_prev_cur,
+          start.is_predicted, {}, {}, {}};
+}
+
+void VisualLidarOdometry::Match(const PreprocessedFrame& frame, const Start& start,
+                                const Rigid3d& T_prev_cur, double gate_m, double period_s,
+                                Problem* problem) {
+  if (matcher_ != nullptr && frame.has_scan) {
+    const SweepFeatures features =
+        PrepareSweep(frame.features, problem->bins, period_s, T_prev_cur);
+    problem->laser = matcher_->Match(features, problem->bins, T_prev_cur, gate_m, options_.laser);
+  }
+  if (options_.use_camera && start.use_camera) {
+    problem->visual = MatchVisual(previous_visual_, {frame.tracks, frame.depths}, calibration_,
+                                  T_prev_cur, options_.visual);
+  }
+  problem->weakness = AnalyseWeakness(problem->Laser(T_prev_cur),
+                                      problem->Visual(T_prev_cur).normal, options_.weakness);
+  if (problem->visual.size() > 0) problem->GateVisual(T_prev_cur);
+}
+
+VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(
+    const PreprocessedFrame& frame, const Start& start, const SweepBins& bins, double period_s,
+    const Executor& executor) {
+  Problem problem = MakeProblem(start, bins, executor);
   Rigid3d T = start.T_prev_cur;
-  Weakness weakness;
   Candidate candidate;
   candidate.estimate.status = EstimateStatus::kNotConverged;
   double gate_m = options_.first_gate_m * (start.is_predicted ? 1.0 : 2.0);
-  for (int i = 0; i < options_.max_refreshes; ++i) {
-    if (matcher_ != nullptr && frame.has_scan) {
-      const SweepFeatures features = PrepareSweep(frame.features, bins, period_s, T);
-      problem.laser = matcher_->Match(features, bins, T, gate_m, options_.laser);
+  int refreshes = 0;
+  while (refreshes < options_.max_refreshes &&
+         candidate.estimate.status != EstimateStatus::kConverged) {
+    Match(frame, start, T, gate_m, period_s, &problem);
+    if (problem.size() < static_cast<size_t>(options_.min_matches)) {
+      candidate.estimate.status = EstimateStatus::kPredicted;
+      candidate.estimate.T_ref_body = start.T_prev_cur;
+      candidate.estimate.covariance = problem.Covariance(start.T_prev_cur);
+      candidate.score = std::numeric_limits<double>::max();
+      return candidate;
     }
-    if (options_.use_camera && start.use_camera) {
-      problem.visual = MatchVisual(previous_visual_, current, calibration_, T, options_.visual);
-    }
-    if (problem.size() < static_cast<size_t>(options_.min_matches)) break;
-    weakness = AnalyseWeakness(problem.Laser(T), problem.Visual(T).normal, options_.weakness);
-    problem.lidar_mask = weakness.lidar_mask;
-    problem.GateVisual(T);
-    PoseSolverOptions solver;
-    solver.max_iterations = 3;
-    const PoseSolution solution = SolvePose(
-        T, [&](const Rigid3d& at) { return problem.All(at); }, solver);
+    const PoseSolution solution = problem.Solve(T);
     const Vector6d step = (T.Inverse() * solution.T).Log();
-    T = solution.T;
-    candidate.score = Score(frame, problem, solution.at_T.cost);
-    candidate.estimate.evidence.iterations = i + 1;
-    gate_m = std::max(options_.last_gate_m, 0.5 * gate_m);
     if (step.head<3>().norm() < options_.stop_rotation_rad &&
         step.tail<3>().norm() < options_.stop_translation_m) {
       candidate.estimate.status = EstimateStatus::kConverged;
-      break;
     }
+    T = solution.T;
+    candidate.score = Score(frame, problem, solution.at_T.cost);
+    gate_m = std::max(options_.last_gate_m, 0.5 * gate_m);
+    ++refreshes;
   }
-  MotionEstimate& estimate = candidate.estimate;
-  estimate.T_ref_body = T;
-  estimate.weak = weakness.directions;
-  estimate.evidence.planes = static_cast<int>(problem.laser.planes.size());
-  estimate.evidence.edges = static_cast<int>(problem.laser.lines.size());
-  estimate.evidence.visual = static_cast<int>(problem.visual.size());
-  estimate.covariance = HonestCovariance(problem.All(T).H, T.t().norm(), options_.covariance);
-  if (problem.size() < static_cast<size_t>(options_.min_matches)) {
-    estimate.status = EstimateStatus::kPredicted;
-    estimate.T_ref_body = start.T_prev_cur;
-    candidate.score = 1e9;
-  }
+  problem.Describe(T, &candidate.estimate);
+  candidate.estimate.evidence.iterations = refreshes;
   return candidate;
 }
 

@@ -66,6 +66,9 @@ class VisualLidarOdometry {
   struct Problem;
   struct Start;
   struct Candidate;
+  Problem MakeProblem(const Start& start, const SweepBins& bins, const Executor& executor) const;
+  void Match(const PreprocessedFrame& frame, const Start& start, const Rigid3d& T_prev_cur,
+             double gate_m, double period_s, Problem* problem);
   static double Score(const PreprocessedFrame& frame, const Problem& problem, double cost);
   Candidate EstimateFrom(const PreprocessedFrame& frame, const Start& start, const SweepBins& bins,
                          double period_s, const Executor& executor);

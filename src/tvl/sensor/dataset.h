@@ -22,6 +22,7 @@ struct SensorSetup {
   std::optional<Deskew> deskew;
   // The default where neither the user, the data nor the first frames decide.
   Deskew default_deskew = Deskew::kNone;
+  std::optional<uint64_t> seed;  // of simulated data
   // About the input as a whole (no images, files missing, ...): to be shown to the user once.
   std::vector<std::string> warnings;
 };

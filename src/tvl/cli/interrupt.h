@@ -1,0 +1,10 @@
+// Ctrl-C and SIGTERM as a question a loop can ask.
+#pragma once
+
+namespace tvl {
+
+// From now on the first SIGINT or SIGTERM only makes Interrupted() true; a second one kills.
+void CatchInterrupts();
+bool Interrupted();
+
+}  // namespace tvl

@@ -1,0 +1,212 @@
+#include "tvl/report/run_report.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <iomanip>
+#include <map>
+#include <sstream>
+
+namespace tvl {
+namespace {
+
+using nlohmann::json;
+
+struct Stage {
+  const char* name;
+  double (*ms)(const StageTimes&);
+};
+
+// In the order of the pipeline; the last four are the paper's Table 2.
+constexpr Stage kStages[] = {
+    {"vision", [](const StageTimes& t) { return t.vision_ms; }},
+    {"segmentation", [](const StageTimes& t) { return t.segmentation_ms; }},
+    {"laser_features", [](const StageTimes& t) { return t.features_ms; }},
+    {"depth", [](const StageTimes& t) { return t.depth_ms; }},
+    {"odometry_step", [](const StageTimes& t) { return t.odometry_ms; }},
+    {"map_step", [](const StageTimes& t) { return t.map_step_ms; }},
+    {"map_update", [](const StageTimes& t) { return t.map_update_ms; }},
+    {"preprocessing",
+     [](const StageTimes& t) {
+       return t.vision_ms + t.segmentation_ms + t.features_ms + t.depth_ms;
+     }},
+    {"odometry", [](const StageTimes& t) { return t.odometry_ms; }},
+    {"mapping", [](const StageTimes& t) { return t.map_step_ms + t.map_update_ms; }},
+    {"total", [](const StageTimes& t) { return t.total_ms; }},
+};
+
+struct Percentiles {
+  double mean = 0.0, p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
+};
+
+Percentiles PercentilesOf(const RunResult& result, const Stage& stage) {
+  std::vector<double> values;
+  for (const FrameResult& frame : result.frames) values.push_back(stage.ms(frame.times));
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  };
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return {sum / static_cast<double>(values.size()), at(0.5), at(0.95), at(0.99), values.back()};
+}
+
+json Timing(const RunResult& result) {
+  json timing;
+  for (const Stage& stage : kStages) {
+    const Percentiles p = PercentilesOf(result, stage);
+    timing[stage.name] = {
+        {"mean_ms", p.mean}, {"p50_ms", p.p50}, {"p95_ms", p.p95}, {"p99_ms", p.p99},
+        {"max_ms", p.max}};
+  }
+  return timing;
+}
+
+json Evidence(const MotionEstimate& estimate, double f_px) {
+  const EstimateEvidence& e = estimate.evidence;
+  return {{"status", ToString(estimate.status)},
+          {"iterations", e.iterations},
+          {"edges", e.edges},
+          {"planes", e.planes},
+          {"visual", e.visual},
+          {"edge_rms_m", e.edge_rms_m},
+          {"plane_rms_m", e.plane_rms_m},
+          {"visual_rms_px", f_px * e.visual_rms}};
+}
+
+json Weak(const std::vector<WeakDirection>& directions) {
+  json list = json::array();
+  for (const WeakDirection& d : directions) {
+    list.push_back({{"kind", d.is_rotation ? "rotation" : "translation"},
+                    {"axis_lidar", {d.axis_lidar.x(), d.axis_lidar.y(), d.axis_lidar.z()}},
+                    {"lidar_strength", d.lidar_strength},
+                    {"camera_strength", d.camera_strength},
+                    {"held_by", d.camera_strength > d.lidar_strength ? "camera" : "prediction"}});
+  }
+  return list;
+}
+
+const char* TrackingName(TrackingStatus status) {
+  switch (status) {
+    case TrackingStatus::kNoImage: return "no_image";
+    case TrackingStatus::kFirst: return "first";
+    case TrackingStatus::kTracked: return "tracked";
+    case TrackingStatus::kLost: return "lost";
+  }
+  return "unknown";
+}
+
+json Frame(const FrameResult& frame, double f_px) {
+  json faults = json::array();
+  for (const FrameFault& fault : frame.faults) {
+    faults.push_back({{"kind", ToString(fault.kind)}, {"message", fault.message}});
+  }
+  const double* covariance = frame.step_covariance.data();  // symmetric: the order is no matter
+  return {{"frame", frame.id},
+          {"stamp_ns", frame.stamp.ns},
+          {"status", ToString(frame.status)},
+          {"keyframe", frame.is_keyframe},
+          {"tracking", TrackingName(frame.tracking)},
+          {"tracks", frame.tracks},
+          {"tracks_with_depth", frame.tracks_with_depth},
+          {"odometry", Evidence(frame.odometry, f_px)},
+          {"map_step", Evidence(frame.map_step.estimate, f_px)},
+          {"translation_ratio", frame.map_step.translation_ratio},
+          {"rotation_ratio", frame.map_step.rotation_ratio},
+          {"weak", Weak(frame.map_step.estimate.weak)},
+          {"step_covariance", std::vector<double>(covariance, covariance + 36)},
+          {"faults", faults},
+          {"total_ms", frame.times.total_ms}};
+}
+
+// Every expected failure and how often it happened.
+json Counts(const RunResult& result) {
+  std::map<std::string, int> counts = {{"frames", 0},         {"keyframes", 0},
+                                       {"predicted", 0},      {"tracking_lost", 0},
+                                       {"no_image", 0},       {"odometry_not_converged", 0},
+                                       {"map_not_converged", 0}, {"weak_translation", 0},
+                                       {"weak_rotation", 0}};
+  for (const FrameResult& frame : result.frames) {
+    ++counts["frames"];
+    counts["keyframes"] += frame.is_keyframe;
+    counts["predicted"] += frame.status == FrameStatus::kPredicted;
+    counts["tracking_lost"] += frame.tracking == TrackingStatus::kLost;
+    counts["no_image"] += frame.tracking == TrackingStatus::kNoImage;
+    counts["odometry_not_converged"] += frame.odometry.status == EstimateStatus::kNotConverged;
+    counts["map_not_converged"] +=
+        frame.map_step.estimate.status == EstimateStatus::kNotConverged;
+    bool translation = false, rotation = false;
+    for (const WeakDirection& d : frame.map_step.estimate.weak) {
+      (d.is_rotation ? rotation : translation) = true;
+    }
+    counts["weak_translation"] += translation;
+    counts["weak_rotation"] += rotation;
+    for (const FrameFault& fault : frame.faults) ++counts[std::string("fault_") + ToString(fault.kind)];
+  }
+  return counts;
+}
+
+json DeskewReport(const DeskewDecision& decision) {
+  return {{"deskew", ToString(decision.deskew)},
+          {"verdict", ToString(decision.verdict)},
+          {"reason", decision.reason},
+          {"informative_frames", decision.informative},
+          {"residual_sq_m2",
+           {{"none", decision.residual_sq_m2[0]},
+            {"cw", decision.residual_sq_m2[1]},
+            {"ccw", decision.residual_sq_m2[2]}}}};
+}
+
+// YAML's scalars are text: numbers and booleans get their type back.
+json ToJson(const YAML::Node& node) {
+  json out;
+  if (node.IsMap()) {
+    out = json::object();
+    for (const auto& entry : node) out[entry.first.as<std::string>()] = ToJson(entry.second);
+  } else if (node.IsSequence()) {
+    out = json::array();
+    for (const auto& entry : node) out.push_back(ToJson(entry));
+  } else if (node.IsScalar()) {
+    const json parsed = json::parse(node.as<std::string>(), nullptr, false);
+    out = parsed.is_discarded() ? json(node.as<std::string>()) : parsed;
+  }
+  return out;
+}
+
+}  // namespace
+
+json MakeRunReport(const RunResult& result, const RunContext& context) {
+  json frames = json::array();
+  for (const FrameResult& frame : result.frames) frames.push_back(Frame(frame, context.setup.calibration.camera.fx_px));
+  json report = {{"program", {{"name", "tvl"}, {"version", context.version}}},
+                 {"input", context.input},
+                 {"lidar_profile", context.setup.lidar.name},
+                 {"camera", context.setup.has_camera},
+                 {"threads", context.threads},
+                 {"complete", !result.stopped},
+                 {"options", ToJson(YAML::Load(context.options_yaml))},
+                 {"deskew", DeskewReport(result.deskew)},
+                 {"counts", Counts(result)},
+                 {"timing", Timing(result)},
+                 {"wall_s", context.wall_s},
+                 {"peak_memory_mib", context.peak_memory_mib},
+                 {"frames", frames}};
+  if (context.setup.seed) report["seed"] = *context.setup.seed;
+  return report;
+}
+
+std::string TimingTable(const RunResult& result) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(1);
+  out << "  ms a frame          p50     p95     p99    mean\n";
+  for (const Stage& stage : kStages) {
+    const Percentiles p = PercentilesOf(result, stage);
+    out << "  " << std::left << std::setw(16) << stage.name << std::right << std::setw(7) << p.p50
+        << " " << std::setw(7) << p.p95 << " " << std::setw(7) << p.p99 << " " << std::setw(7)
+        << p.mean << "\n";
+  }
+  return out.str();
+}
+
+}  // namespace tvl
