@@ -201,15 +201,19 @@ TEST(Features, CountsSpacingAndFields) {
     EXPECT_GT(f.p_lidar.z(), -1.6f) << "no edges from the ground";
     EXPECT_GE(f.curvature, 0.005f);
   }
-  // Fields belong to the point; picks of a kind keep their distance.
+  const auto azimuth = [](const LaserFeature& f) {
+    return std::atan2(f.p_lidar.y(), f.p_lidar.x());
+  };
   for (const LaserFeature& f : features.flat) {
-    const float azimuth = std::atan2(f.p_lidar.y(), f.p_lidar.x());
-    EXPECT_NEAR(f.time_offset_s, azimuth / (2.0 * kPi) * 0.1, 1e-5);
-    for (const LaserFeature& g : features.flat) {
-      if (&f == &g || f.ring != g.ring) continue;
-      const float gap = std::abs(std::remainder(azimuth - std::atan2(g.p_lidar.y(), g.p_lidar.x()),
-                                                static_cast<float>(2.0 * kPi)));
-      EXPECT_GT(gap, 4.9f * static_cast<float>(2.0 * kPi / 2048));
+    EXPECT_NEAR(f.time_offset_s, azimuth(f) / (2.0 * kPi) * 0.1, 1e-5);
+  }
+  for (const auto* picks : {&features.flat, &features.less_sharp}) {
+    for (const LaserFeature& f : *picks) {
+      for (const LaserFeature& g : *picks) {
+        if (&f == &g || f.ring != g.ring) continue;
+        const double gap = std::abs(std::remainder(azimuth(f) - azimuth(g), 2.0 * kPi));
+        EXPECT_GT(gap, 4.9 * 2.0 * kPi / 2048) << "picks of a kind keep their distance";
+      }
     }
   }
 }

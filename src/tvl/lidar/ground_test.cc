@@ -90,14 +90,17 @@ TEST(Ground, HillThatRisesSmoothlyIsFollowed) {
 }
 
 TEST(Ground, SteepBankIsNoGround) {
-  const double slope = std::tan(DegToRad(35.0));
-  const Eigen::Vector3d n(0, -slope, 1);
-  const Shares shares =
-      GroundShares({Plane({0, 0, 1}, -1.73, [](const Eigen::Vector3d& p) { return p.y() <= 6.0; }),
-                    Plane(n, n.dot(Eigen::Vector3d(0, 6, -1.73)),
-                          [](const Eigen::Vector3d& p) { return p.y() > 6.0; })});
-  EXPECT_GT(shares.of_surface[0], 0.98);
-  EXPECT_LT(shares.of_surface[1], 0.15);
+  for (const double bank_deg : {20.0, 35.0}) {
+    const double slope = std::tan(DegToRad(bank_deg));
+    const Eigen::Vector3d n(0, -slope, 1);
+    const Shares shares = GroundShares(
+        {Plane({0, 0, 1}, -1.73, [](const Eigen::Vector3d& p) { return p.y() <= 6.0; }),
+         Plane(n, n.dot(Eigen::Vector3d(0, 6, -1.73)),
+               [](const Eigen::Vector3d& p) { return p.y() > 6.0; })});
+    EXPECT_GT(shares.of_surface[0], 0.98);
+    // Along the street the rays meet the bank at a slant, where it rises less than 10 deg.
+    EXPECT_LT(shares.of_surface[1], bank_deg > 30.0 ? 0.15 : 0.4) << bank_deg << " deg";
+  }
 }
 
 TEST(Ground, KerbAndPavementAreGround) {
@@ -106,6 +109,16 @@ TEST(Ground, KerbAndPavementAreGround) {
                     Plane({0, 0, 1}, -1.60, [](const Eigen::Vector3d& p) { return p.y() > 4.0; })});
   EXPECT_GT(shares.of_surface[0], 0.98);
   EXPECT_GT(shares.of_surface[1], 0.95);
+}
+
+TEST(Ground, NarrowPavementBetweenKerbAndWall) {
+  const Shares shares =
+      GroundShares({Plane({0, 0, 1}, -1.73, [](const Eigen::Vector3d& p) { return p.y() <= 4.0; }),
+                    Plane({0, 0, 1}, -1.58, [](const Eigen::Vector3d& p) { return p.y() > 4.0; }),
+                    Plane({0, 1, 0}, 5.0)},
+                   test::Hdl64(), 0.01);
+  EXPECT_GT(shares.of_surface[1], 0.38);  // the last ring before the wall runs on into it
+  EXPECT_LT(shares.of_surface[2], 0.03);
 }
 
 TEST(Ground, LowestRingsSeeTheOwnCarOnly) {
@@ -120,6 +133,20 @@ TEST(Ground, BehindObstaclesTheGroundGoesOn) {
   // A row of low boxes hides 6 to 14 m on all of the front; behind it the road is seen again.
   const Shares shares = GroundShares({Road(), Box({6, -20, -1.73}, {6.5, 20, -1.0})});
   EXPECT_GT(shares.of_surface[0], 0.95);
+}
+
+TEST(Ground, RisingGroundBehindAnObstacleIsReachedFromItsSides) {
+  // Up 6 deg from 6 m on; a box hides the first 7 m of it in the columns ahead, where the road is
+  // 0.9 m higher when it is seen again.
+  const double slope = std::tan(DegToRad(6.0));
+  const Eigen::Vector3d n(-slope, 0, 1);
+  const Shares shares = GroundShares(
+      {Plane({0, 0, 1}, -1.73, [](const Eigen::Vector3d& p) { return p.x() <= 6.0; }),
+       Plane(n, n.dot(Eigen::Vector3d(6, 0, -1.73)),
+             [](const Eigen::Vector3d& p) { return p.x() > 6.0 && std::abs(p.y()) < 12.0; }),
+       Box({5.5, -2, -1.73}, {6, 2, -0.9})});
+  EXPECT_GT(shares.of_surface[1], 0.95);
+  EXPECT_LT(shares.of_surface[2], 0.08);
 }
 
 TEST(Ground, NoneInAShaft) {
