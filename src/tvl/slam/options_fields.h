@@ -71,6 +71,7 @@ template <typename Visitor>
 void VisitFields(Visitor& visit, GroundOptions& options) {
   TVL_FIELD(max_slope_rad);
   TVL_FIELD(max_step_m);
+  TVL_FIELD(height_noise_m);
   TVL_FIELD(steep_rad);
   TVL_FIELD(seed_radius_m);
   TVL_FIELD(max_seed_tilt_rad);
