@@ -3,9 +3,9 @@
 
     check_evo.py --truth POSES.txt --estimate trajectory_kitti.txt [--binary tvl]
 
-ATE (aligned and from the first pose) and RPE over one frame must agree to 1e-6 relative; exit code 1
-if they do not. The devkit's segment errors are checked against benchmarks/bench/metrics.py, which
-was written separately.
+ATE (aligned and from the first pose) and RPE over one frame come from evo, the devkit's segment errors
+and the paper's Table 1 from code written separately (benchmarks/bench/metrics.py). All must agree to
+1e-6 relative; exit code 1 if they do not.
 """
 
 import argparse
@@ -22,12 +22,15 @@ TOLERANCE = 1e-6
 
 
 def evo_figures(truth, estimate):
-    """name -> value, by evo."""
+    """Place in the JSON of `tvl evaluate` (within its first drive) -> value by evo."""
     from evo.core import metrics as evo_metrics
     from evo.core.trajectory import PosePath3D
 
+    def path(poses_se3):
+        return PosePath3D(poses_se3=list(poses_se3))
+
     def ape(align):
-        a, b = PosePath3D(poses_se3=list(truth)), PosePath3D(poses_se3=list(estimate))
+        a, b = path(truth), path(estimate)
         if align:
             b.align(a)
         metric = evo_metrics.APE(evo_metrics.PoseRelation.translation_part)
@@ -37,34 +40,36 @@ def evo_figures(truth, estimate):
     def rpe(relation):
         metric = evo_metrics.RPE(relation, delta=1, delta_unit=evo_metrics.Unit.frames,
                                  all_pairs=True)
-        metric.process_data((PosePath3D(poses_se3=list(truth)),
-                             PosePath3D(poses_se3=list(estimate))))
+        metric.process_data((path(truth), path(estimate)))
         return metric.get_statistic(evo_metrics.StatisticsType.rmse)
 
     return {
-        "ate_aligned_m": ape(True),
-        "ate_first_pose_m": ape(False),
-        "rpe_frame_m": rpe(evo_metrics.PoseRelation.translation_part),
-        "rpe_frame_deg": rpe(evo_metrics.PoseRelation.rotation_angle_deg),
+        "ate_se3.rmse_m": ape(True),
+        "ate_first_pose.rmse_m": ape(False),
+        "rpe_1_frame.translation_rmse_m": rpe(evo_metrics.PoseRelation.translation_part),
+        "rpe_1_frame.rotation_rmse_deg": rpe(evo_metrics.PoseRelation.rotation_angle_deg),
     }
 
 
-def flat(tree, prefix=""):
-    """Nested JSON objects as dotted names."""
-    out = {}
-    for key, value in tree.items():
-        name = f"{prefix}{key}"
-        if isinstance(value, dict):
-            out.update(flat(value, name + "."))
-        elif isinstance(value, (int, float)) and not isinstance(value, bool):
-            out[name] = float(value)
-    return out
+def table_1(truth, estimate):
+    """The paper's end error: D = (G_0^-1 G_N)^-1 (E_0^-1 E_N)."""
+    D = (poses.inverse(poses.inverse(truth[0]) @ truth[-1])
+         @ poses.inverse(estimate[0]) @ estimate[-1])
+    return {"total.translation_m": np.linalg.norm(D[:3, 3]),
+            "total.rotation_deg": np.rad2deg(poses.angle_rad(D))}
 
 
-def closest(value, figures):
-    """The figure of ours that is nearest to `value`, relative difference."""
-    name = min(figures, key=lambda n: abs(figures[n] - value))
-    return name, abs(figures[name] - value) / max(abs(value), 1e-12)
+def expected_figures(truth, estimate):
+    t_err, r_err = metrics.kitti_errors(truth, estimate)
+    return {**evo_figures(truth, estimate), **table_1(truth, estimate),
+            "kitti.t_err_percent": t_err, "kitti.r_err_deg_per_100m": r_err}
+
+
+def our_figure(drive, place):
+    """Value at a dotted place; NaN for null."""
+    for key in place.split("."):
+        drive = drive[key]
+    return float("nan") if drive is None else float(drive)
 
 
 def main():
@@ -76,23 +81,17 @@ def main():
     args = parser.parse_args()
     truth, estimate = poses.read_poses(args.truth), poses.read_poses(args.estimate)
     count = min(len(truth), len(estimate))
-    expected = evo_figures(truth[:count], estimate[:count])
-    expected["kitti_t_err_percent"], expected["kitti_r_err_deg_per_100m"] = (
-        metrics.kitti_errors(truth[:count], estimate[:count]))
     with tempfile.TemporaryDirectory() as folder:
         report = pathlib.Path(folder) / "evaluation.json"
         ours.execute(args.binary, "evaluate", "--truth", args.truth, "--estimate", args.estimate,
                      "--json", report)
-        figures = flat(json.loads(report.read_text()))
+        drive = json.loads(report.read_text())["drives"][0]
     wrong = 0
-    for name, value in expected.items():
-        if np.isnan(value):
-            print(f"{name:<26} not defined (too short)")
-            continue
-        key, difference = closest(value, figures)
-        wrong += difference > TOLERANCE
-        print(f"{name:<26} {value:.9g}   ours {key} = {figures[key]:.9g}   "
-              f"{'ok' if difference <= TOLERANCE else 'DIFFERS'} ({difference:.1e})")
+    for place, value in expected_figures(truth[:count], estimate[:count]).items():
+        figure = our_figure(drive, place)
+        agree = bool(np.isclose(figure, value, rtol=TOLERANCE, atol=1e-9, equal_nan=True))
+        wrong += not agree
+        print(f"{place:<32} expected {value:<14.9g} ours {figure:<14.9g} {'ok' if agree else 'DIFFERS'}")
     return 1 if wrong else 0
 
 

@@ -39,23 +39,24 @@ def scans_for(args, folder, deskew, work):
     return exported, 0.0 if args.exported_corrected else clouds.KITTI_CORRECTION_DEG
 
 
-def compare(args, sequence, deskew):
-    """One table."""
-    folder = args.data / "sequences" / sequence
-    work = args.out / f"{sequence}_{deskew}"
-    scans, correction_deg = scans_for(args, folder, deskew, work)
-    files = clouds.scan_files(scans)
-    results = peer_runner.run_peers(list(registrars.PEERS), files, correction_deg)
-    own = {"ours": ["--deskew", deskew], "ours, lidar-only": ["--deskew", deskew, "--lidar-only"]}
-    rows = {registrars.PEERS[k].name: v for k, v in results.items()}
-    peer_names = list(rows)
+def has_images(folder):
+    return any((folder / f"image_{i}").is_dir() for i in range(4))
+
+
+def our_runs(args, folder, deskew, work):
+    """name -> Run, with the camera where there is one and without."""
+    options = ["--threads", 1, "--no-loops", "--deskew", deskew]
+    runs = {}
+    if has_images(folder):
+        runs["ours"] = ours.run(args.binary, folder, work / "ours", *options)
+    runs["ours, lidar-only"] = ours.run(args.binary, folder, work / "ours_lidar_only", *options,
+                                        "--lidar-only")
+    return runs
+
+
+def print_comparison(rows, peer_names, files, correction_deg):
+    """rows: name -> (poses, ms). Returns the median end point of the peers."""
     median = metrics.median_end([rows[n][0] for n in peer_names])
-    for name, options in own.items():
-        if "lidar" not in name and not any((folder / f"image_{i}").is_dir() for i in range(4)):
-            continue
-        run = ours.run(args.binary, folder, work / name.replace(", ", "_"), "--threads", 1, *options)
-        rows[name] = (run.T_world_lidar, total_ms(run.report))
-    print(f"\n{sequence}, {len(files)} frames, de-skewed: {deskew}")
     print(peer_runner.HEADER + "   RMS of motions to " + ", ".join(peer_names) + " (mm / deg)")
     for name, (trajectory, ms) in rows.items():
         peer_runner.print_row(name, trajectory, ms,
@@ -63,17 +64,32 @@ def compare(args, sequence, deskew):
                               end="   ")
         differences = [metrics.motion_difference(trajectory, rows[n][0]) for n in peer_names]
         print("  ".join(f"{1e3 * t:6.1f} / {r:.3f}" for t, r in differences))
-    return np.linalg.norm(rows.get("ours", rows["ours, lidar-only"])[0][-1][:3, 3] - median)
+    return median
 
 
-def total_ms(report):
-    """Milliseconds of each frame if run.json has them, else its percentiles as a small sample."""
-    frames = [f["total_ms"] for f in report.get("frames", ())
-              if isinstance(f, dict) and "total_ms" in f]
-    if frames:
-        return np.array(frames)
-    total = ours.stage_ms(report).get("total", {})
-    return np.array([total.get("p50", np.nan)] * 9 + [total.get("p95", np.nan)])
+def compare(args, sequence, deskew):
+    """One table."""
+    folder = args.data / "sequences" / sequence
+    work = args.out / f"{sequence}_{deskew}"
+    scans, correction_deg = scans_for(args, folder, deskew, work)
+    files = clouds.scan_files(scans)
+    results = peer_runner.run_peers(list(registrars.PEERS), files, correction_deg)
+    rows = {registrars.PEERS[k].name: v for k, v in results.items()}
+    peer_names = list(rows)
+    runs = our_runs(args, folder, deskew, work)
+    rows.update({name: (r.T_world_lidar, ours.total_ms(r.report)) for name, r in runs.items()})
+    print(f"\n{sequence}, {len(files)} frames, de-skewed: {deskew}")
+    median = print_comparison(rows, peer_names, files, correction_deg)
+    for name, run in runs.items():
+        distance = np.linalg.norm(run.T_world_lidar[-1][:3, 3] - median)
+        print(f"{name}: end point {distance:.3f} m from the peers' median; milliseconds a frame:")
+        print_stages(run.report)
+
+
+def print_stages(report):
+    """Our milliseconds by stage (one thread)."""
+    for stage, ms in ours.stage_ms(report).items():
+        print(f"    {stage:<16} p50 {ms['p50_ms']:6.1f}  p95 {ms['p95_ms']:6.1f}  mean {ms['mean_ms']:6.1f}")
 
 
 def main():
@@ -95,8 +111,7 @@ def main():
     spins = [s for s in args.spins.split(",") if s]
     for sequence in args.sequences.split(","):
         for deskew in variants(sequence, spins):
-            distance = compare(args, sequence, deskew)
-            print(f"-> our end point is {distance:.3f} m from the peers' median")
+            compare(args, sequence, deskew)
     return 0
 
 

@@ -13,6 +13,7 @@ truth half a frame later, interpolated. The instant of each peer is asked of the
 import argparse
 import json
 import pathlib
+import re
 import sys
 
 import numpy as np
@@ -20,12 +21,13 @@ import numpy as np
 import peers as peer_runner
 from bench import clouds, metrics, ours, poses, registrars
 
+KITTI_PROFILE = pathlib.Path(__file__).resolve().parent.parent / "config/profiles/kitti.yaml"
+
 
 def spin_of(drive):
     """'cw' or 'ccw' of a raw drive, None of a compensated one."""
     meta = json.loads((drive / "meta.json").read_text())
-    spin = str(meta.get("raw", meta.get("deskew", "none"))).lower()
-    return spin if spin in ("cw", "ccw") else None
+    return meta["raw"] if meta["raw"] in ("cw", "ccw") else None
 
 
 def truth_at(truth_cam0, T_cam0_lidar, key, spin):
@@ -47,7 +49,7 @@ def our_rows(args, drive, spin, truth, T_cam0_lidar, work):
     rows = {}
     deskew = ["--deskew", spin or "none", "--no-loops"]
     for corrected in (True, False):
-        profile = [] if corrected else ["--config", write_uncorrected(work)]
+        profile = [] if corrected else ["--profile", write_uncorrected(work)]
         for name, options in (("lidar-only", ["--lidar-only"]), ("with camera", [])):
             label = f"ours {name}" + ("" if corrected else ", no correction")
             run = ours.run(args.binary, drive, work / label.replace(" ", "_"),
@@ -57,10 +59,12 @@ def our_rows(args, drive, spin, truth, T_cam0_lidar, work):
 
 
 def write_uncorrected(work):
-    """A configuration without the vertical correction."""
+    """The kitti profile without its vertical correction."""
+    lines = KITTI_PROFILE.read_text().splitlines()
+    lines = [re.sub(r"(vertical_correction_deg:).*", r"\1 0.0", line) for line in lines]
     work.mkdir(parents=True, exist_ok=True)
     path = work / "uncorrected.yaml"
-    path.write_text("lidar:\n  vertical_correction_deg: 0.0\n")
+    path.write_text("\n".join(lines) + "\n")
     return path
 
 

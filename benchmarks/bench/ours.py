@@ -41,6 +41,10 @@ def run(binary, sequence, out, *options):
 
 
 def stage_ms(report):
-    """stage -> {p50, p95, p99} of run.json, {} if it has none."""
-    stages = report.get("timing_ms", report.get("stages_ms", {}))
-    return {name: value for name, value in stages.items() if isinstance(value, dict)}
+    """stage -> {mean_ms, p50_ms, p95_ms, p99_ms, max_ms} of run.json, {} if it has none."""
+    return report.get("timing", {})
+
+
+def total_ms(report):
+    """Milliseconds of each frame."""
+    return np.array([frame["total_ms"] for frame in report.get("frames", ())] or [np.nan])
