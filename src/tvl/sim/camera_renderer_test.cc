@@ -145,6 +145,32 @@ TEST_F(CameraRendererTest, FurtherRaysSmoothOutlines) {
   EXPECT_LT(cv::norm(images[1], images[2], cv::NORM_L2), 0.7 * bare);
 }
 
+// A dark box before the sky: its upright edge is where the camera model says.
+TEST(CameraRenderer, EdgesAreWhereTheyProject) {
+  SceneDescription description;
+  description.structures.push_back(Box(Material::kTyre, 10, -5, -5, 1, 5.3F, 20));
+  const Scene scene(description);
+  CameraRenderOptions options;
+  options.film.exposure_strength = 0.0;
+  options.edge_samples = 8;
+  options.lighting.sky = 0.6;  // over-exposed, it would bloom over the edge
+  const Camera camera = SmallCamera();
+  const CameraRenderer renderer(scene, camera, options);
+  for (const double y : {0.0, 0.004, 0.008, 0.013, 0.02}) {  // 0.036 m is a pixel
+    const Rigid3d T_world_cam = Pose(0, y, 0);
+    const cv::Mat image = renderer.Render({T_world_cam, 0.0, 0, false}, Executor(1));
+    const Eigen::Vector3d corner = T_world_cam.Inverse() * Eigen::Vector3d(10, 0.3, 1.65);
+    const double expected = camera.Project(corner.hnormalized()).x();
+    double dark = 0.0;  // share of the box around the edge, summed over columns
+    const auto x0 = static_cast<int>(expected) - 6;
+    const double sky = cv::mean(image.col(x0 - 10))[0];
+    const double box = cv::mean(image.col(x0 + 20))[0];
+    ASSERT_GT(sky, 4.0 * box);
+    for (int x = x0; x < x0 + 13; ++x) dark += (sky - cv::mean(image.col(x))[0]) / (sky - box);
+    EXPECT_NEAR(x0 + 12.5 - dark, expected, 0.15);
+  }
+}
+
 // Points seen in one picture and projected into the next lie where tracking finds them.
 TEST_F(CameraRendererTest, TexturesAreStuckToTheGeometry) {
   const Rigid3d T_world_a = Pose(0, 0, 0);

@@ -60,20 +60,29 @@ float Film::Gain(const cv::Mat& radiance, uint64_t frame, const Executor& execut
                             (1.0 + options_.exposure_drift * drift));
 }
 
-void Film::DevelopRow(const cv::Mat& radiance, int y, uint64_t frame, float gain,
-                      cv::Mat& image) const {
-  const int cols = radiance.cols;
+std::vector<float> Film::Blur(const cv::Mat& radiance, int y, float gain) const {
+  const auto cols = static_cast<size_t>(radiance.cols);
   const auto* above = radiance.ptr<float>(std::max(y - 1, 0));
   const auto* here = radiance.ptr<float>(y);
   const auto* below = radiance.ptr<float>(std::min(y + 1, radiance.rows - 1));
-  std::vector<float> column(static_cast<size_t>(cols) + 2);
-  for (int x = 0; x < cols; ++x) {
-    column[static_cast<size_t>(x) + 1] =
-        side_ * (std::min(above[x] * gain, kClip) + std::min(below[x] * gain, kClip)) +
-        centre_ * std::min(here[x] * gain, kClip);
+  std::vector<float> column(cols + 2);
+  for (size_t x = 0; x < cols; ++x) {
+    column[x + 1] = side_ * (std::min(above[x] * gain, kClip) + std::min(below[x] * gain, kClip)) +
+                    centre_ * std::min(here[x] * gain, kClip);
   }
   column.front() = column[1];
-  column.back() = column[static_cast<size_t>(cols)];
+  column.back() = column[cols];
+  std::vector<float> light(cols);
+  for (size_t x = 0; x < cols; ++x) {
+    light[x] = side_ * (column[x] + column[x + 2]) + centre_ * column[x + 1];
+  }
+  return light;
+}
+
+void Film::DevelopRow(const cv::Mat& radiance, int y, uint64_t frame, float gain,
+                      cv::Mat& image) const {
+  const int cols = radiance.cols;
+  const std::vector<float> blurred = Blur(radiance, y, gain);
   const float cx = 0.5F * static_cast<float>(cols);
   const float dy = static_cast<float>(y) - 0.5F * static_cast<float>(radiance.rows);
   const float loss = static_cast<float>(options_.vignetting) /
@@ -86,10 +95,8 @@ void Film::DevelopRow(const cv::Mat& radiance, int y, uint64_t frame, float gain
   uint64_t bits = 0;
   for (int x = 0; x < cols; ++x) {
     if (x % 4 == 0) bits = Rng::Mix(key + static_cast<uint64_t>(x));
-    const float* c = column.data() + x;
     const float dx = static_cast<float>(x) - cx;
-    const float light =
-        (side_ * (c[0] + c[2]) + centre_ * c[1]) * (1.0F - loss * (dx * dx + dy * dy));
+    const float light = blurred[static_cast<size_t>(x)] * (1.0F - loss * (dx * dx + dy * dy));
     const float sigma = std::sqrt(read_sq + photon_sq * std::min(light, 1.0F));
     const float grey = 255.0F * light + sigma * normal_[(bits >> (16 * (x % 4))) % kNormals];
     out[x] = static_cast<uint8_t>(std::clamp(grey + 0.5F, 0.0F, 255.0F));

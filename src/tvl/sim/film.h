@@ -38,6 +38,8 @@ class Film {
   float Gain(const cv::Mat& radiance, uint64_t frame, const Executor& executor) const;
 
  private:
+  // The blurred light of a row.
+  std::vector<float> Blur(const cv::Mat& radiance, int y, float gain) const;
   void DevelopRow(const cv::Mat& radiance, int y, uint64_t frame, float gain, cv::Mat& image) const;
 
   FilmOptions options_;

@@ -135,7 +135,7 @@ float TownTextures::AlbedoOf(const SurfacePoint& at) const {
     case Material::kSoil:
       return Ground(at, asphalt_, 0.22F, 0.9F);
     case Material::kPlaster:
-      return Facade(at, plaster_, 0.30F + 0.5F * OfObject(at.object, 1), 0.55F);
+      return Facade(at, plaster_, 0.30F + 0.5F * OfObject(at.object, 1), 0.65F);
     case Material::kBrick:
       return Facade(at, bricks_, 0.18F + 0.15F * OfObject(at.object, 1), 0.9F);
     case Material::kConcrete:
