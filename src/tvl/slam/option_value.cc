@@ -1,7 +1,9 @@
 #include "tvl/slam/option_value.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 
 #include "tvl/base/units.h"
@@ -20,7 +22,25 @@ size_t AngleUnitAt(const std::string& field) {
   return rest.empty() || rest.rfind("_per_", 0) == 0 ? at : std::string::npos;
 }
 
-double ToInternal(double value, bool is_angle) { return is_angle ? DegToRad(value) : value; }
+// Digits a double is read from at most; texts with more are meant to the bit.
+constexpr int kDoubleDigits = 17;
+constexpr int kLongDigits = 21;
+constexpr long double kRadPerDeg = 3.14159265358979323846L / 180.0L;
+
+int SignificantDigits(const std::string& text) {
+  const std::string mantissa = text.substr(0, text.find_first_of("eE"));
+  const size_t first = std::min(mantissa.find_first_of("123456789"), mantissa.size());
+  return static_cast<int>(std::count_if(mantissa.begin() + static_cast<std::ptrdiff_t>(first),
+                                        mantissa.end(),
+                                        [](char c) { return c >= '0' && c <= '9'; }));
+}
+
+// A number of degrees in radians. Doubles in degrees do not reach every double in radians (they lie
+// more sparsely in places), so more digits than a double has are taken into account.
+double AngleFromText(const std::string& text, double value_deg) {
+  if (SignificantDigits(text) <= kDoubleDigits) return DegToRad(value_deg);
+  return static_cast<double>(std::strtold(text.c_str(), nullptr) * kRadPerDeg);
+}
 
 // What was found instead of the wanted kind.
 std::string Found(const YAML::Node& node) {
@@ -44,31 +64,30 @@ std::string WithPoint(std::string digits) {
   return digits.insert(std::min(digits.find('e'), digits.size()), ".0");
 }
 
-// The value as written, with as few digits as still give the same value when read.
-double RoundedAsFarAsPossible(double value, bool is_angle) {
-  const double written = is_angle ? RadToDeg(value) : value;
-  constexpr int kMaxDigits = 17;
-  for (int digits = 1; digits < kMaxDigits; ++digits) {
-    char text[40];
-    const auto end =
-        std::to_chars(text, std::end(text), written, std::chars_format::general, digits).ptr;
-    double read = 0.0;
-    std::from_chars(text, end, read);
-    if (ToInternal(read, is_angle) == value) return read;
-  }
-  return written;
-}
-
-// All digits that tell the number from its neighbours; exponents only for the very small and large.
+// A number as short as possible; exponents only for the very small and large.
 std::string Shortest(double value) {
   const double size = std::abs(value);
   const bool is_plain = value == 0.0 || (size >= 1e-4 && size < 1e7);
+  const auto format = is_plain ? std::chars_format::fixed : std::chars_format::scientific;
   char text[40];
-  const auto end =
-      std::to_chars(text, std::end(text), value,
-                    is_plain ? std::chars_format::fixed : std::chars_format::scientific)
-          .ptr;
-  return {text, end};
+  return {text, std::to_chars(text, std::end(text), value, format).ptr};
+}
+
+// The degrees that give back `value_rad`.
+std::string AngleText(double value_rad) {
+  char text[40];
+  for (int digits = 1; digits <= kDoubleDigits; ++digits) {
+    const auto end =
+        std::to_chars(text, std::end(text), RadToDeg(value_rad), std::chars_format::general, digits)
+            .ptr;
+    double value_deg = 0.0;
+    std::from_chars(text, end, value_deg);
+    if (DegToRad(value_deg) == value_rad) return Shortest(value_deg);
+  }
+  const long double value_deg = static_cast<long double>(value_rad) / kRadPerDeg;
+  return {
+      text,
+      std::to_chars(text, std::end(text), value_deg, std::chars_format::general, kLongDigits).ptr};
 }
 
 }  // namespace
@@ -81,7 +100,7 @@ std::string KeyOfField(const std::string& field) {
 }
 
 std::string NumberText(double value, bool is_angle) {
-  return WithPoint(Shortest(RoundedAsFarAsPossible(value, is_angle)));
+  return WithPoint(is_angle ? AngleText(value) : Shortest(value));
 }
 
 bool BoolFromNode(const YAML::Node& node, const std::string& where) {
@@ -95,7 +114,7 @@ int IntFromNode(const YAML::Node& node, const std::string& where) {
 double NumberFromNode(const YAML::Node& node, bool is_angle, const std::string& where) {
   const double value = Converted<double>(node, "a number", where);
   TVL_CHECK_INPUT(std::isfinite(value)) << where << ": want a finite number, " << Found(node);
-  return ToInternal(value, is_angle);
+  return is_angle ? AngleFromText(node.Scalar(), value) : value;
 }
 
 std::string WordFromNode(const YAML::Node& node, const std::string& where) {

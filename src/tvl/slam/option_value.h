@@ -23,8 +23,8 @@ inline constexpr bool kIsSection = std::is_class_v<T>&& std::is_aggregate_v<T>;
 std::string KeyOfField(const std::string& field);
 bool IsAngleField(const std::string& field);
 
-// As few digits as give back the same bits when parsed; always told apart from an integer. Angles
-// where no decimal number of degrees does so come back within one unit in the last place.
+// As few digits as give back the same bits when read; always told apart from an integer. An angle
+// comes in radians and is written in degrees.
 std::string NumberText(double value, bool is_angle);
 
 // The value of a node. Throw InputError beginning with `where` when it is of another kind or not
