@@ -16,17 +16,27 @@ using Eigen::Vector3f;
 constexpr uint64_t kBiasStream = 701, kNoiseStream = 1ULL << 40;
 constexpr int kKittiRows = 64;
 
-// What the car of KITTI hides: roof and rack, read off the real scans.
-struct HiddenSector {
-  double begin_deg, end_deg;
-  int first_row, end_row;
+// What the car of KITTI hides, read off the real scans: ellipses over azimuth and row. The lower
+// edge of the picture is row 63; blobs whose middle lies below it are the roof's edges.
+struct HiddenBlob {
+  double azimuth_deg, row;             // middle
+  double half_width_deg, half_height;  // of the ellipse
 };
-constexpr HiddenSector kHidden[] = {
-    {160, 170, 46, 64}, {200, 207, 47, 64}, {165, 205, 52, 64}, {155, 210, 58, 64},
-    {150, 215, 63, 64}, {283, 302, 44, 57}, {285, 296, 57, 62}, {348, 360, 57, 64},
-    {0, 14, 57, 64},    {340, 348, 61, 64}, {14, 22, 61, 64},   {25, 38, 62, 64},
-    {130, 138, 57, 64}, {228, 236, 57, 64}, {322, 330, 60, 64}, {140, 146, 62, 64},
+constexpr HiddenBlob kHidden[] = {
+    {0, 67, 30, 11.5},                                    // front of the roof
+    {185, 68, 40, 16}, {166, 51, 7, 6}, {202, 50, 6, 4},  // rear, with the camera's mounts
+    {292, 53, 11, 9},                                     // antenna
+    {31, 63, 6, 2.5},  {135, 61, 6, 4}, {233, 61, 6, 4}, {326, 62, 6, 3},  // rack
 };
+
+// Random numbers of mean exactly 0: what all beams have in common is not theirs.
+std::vector<double> Biases(int count, double sigma, Rng* rng) {
+  std::vector<double> biases;
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) sum += biases.emplace_back(sigma * rng->Normal());
+  for (double& bias : biases) bias -= sum / count;
+  return biases;
+}
 
 // Zero mean, unit variance, bounded: the sum of four 16-bit numbers. Half the price of a true
 // normal number, and a pulse has three of them.
@@ -40,9 +50,9 @@ float QuickNormal(Rng* rng) {
 // In [0, 1), from some bits of a hash.
 float Unit(uint64_t bits) { return static_cast<float>(bits & 0xffffff) / 16777216.0F; }
 
-// Reflectivity varies over a surface: by cells of 0.15 m of the object's own frame, and from
-// object to object.
-float SurfaceTone(const SceneHit& hit) {
+// Relative change of the reflectivity: from object to object, and less so over a surface, by cells
+// of 0.15 m of the object's own frame.
+float SurfaceTone(const SceneHit& hit, float variation) {
   const auto cell = [](float v) {
     return static_cast<uint64_t>(static_cast<int64_t>(std::floor(v / 0.15F)) & 0xfffff);
   };
@@ -50,7 +60,7 @@ float SurfaceTone(const SceneHit& hit) {
       cell(hit.p_object.x()) | (cell(hit.p_object.y()) << 20) | (cell(hit.p_object.z()) << 40);
   const float here = Unit(Rng::Mix(place)) - 0.5F;
   const float whole = Unit(Rng::Mix(hit.object + 0x9e37ULL)) - 0.5F;
-  return here + 1.4F * whole;
+  return std::min(variation, 0.3F) * here + 1.4F * variation * whole;
 }
 
 }  // namespace
@@ -86,11 +96,10 @@ LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& opti
   options_.Check();
   TVL_CHECK_INPUT(model_.rows() > 0) << "lidar: a simulated lidar needs beam elevations";
   Rng rng(options_.seed, kBiasStream);
-  for (int row = 0; row < model_.rows(); ++row) {
-    const double scale = options_.has_errors ? 1.0 : 0.0;
-    range_bias_m_.push_back(scale * options_.beam_range_sigma_m * rng.Normal());
-    elevation_bias_rad_.push_back(scale * options_.beam_elevation_sigma_rad * rng.Normal());
-  }
+  const double scale = options_.has_errors ? 1.0 : 0.0;
+  range_bias_m_ = Biases(model_.rows(), scale * options_.beam_range_sigma_m, &rng);
+  elevation_bias_rad_ = Biases(model_.rows(), scale * options_.beam_elevation_sigma_rad, &rng);
+  gain_ = Biases(model_.rows(), scale * options_.beam_gain_sigma, &rng);
 }
 
 std::vector<LidarSensor::Firing> LidarSensor::Firings(const LidarSweep& sweep) const {
@@ -116,9 +125,10 @@ std::vector<LidarSensor::Firing> LidarSensor::Firings(const LidarSweep& sweep) c
   return firings;
 }
 
-float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, uint64_t draw) const {
+float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, float gain,
+                          uint64_t draw) const {
   const LidarSurface surface = LidarSurfaceOf(hit.material);
-  const float tone = 1.0F + surface.variation * SurfaceTone(hit);
+  const float tone = 1.0F + SurfaceTone(hit, surface.variation);
   const float reflectivity = std::clamp(surface.reflectivity * tone, 0.01F, 1.0F);
   const float cosine = std::abs(hit.normal.dot(direction));
   if (options_.has_errors) {
@@ -130,8 +140,9 @@ float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, uint64
     const float needed = 0.1F * r * r * (0.6F + 0.8F * Unit(draw >> 24));
     if (reflectivity * std::sqrt(cosine) < needed) return -1.0F;
   }
-  const float fade = std::min(1.0F, 25.0F / hit.range_m);
-  const float intensity = reflectivity * (0.35F + 0.65F * cosine) * (0.75F + 0.25F * fade) * 1.15F;
+  // The sensor evens out the range and most of the incidence, not the differences of its lasers.
+  // The weakest read 0: some 6-25 % in real scans, most of them glass and dark paint.
+  const float intensity = 1.25F * gain * reflectivity * (0.55F + 0.45F * std::sqrt(cosine)) - 0.07F;
   const auto step = static_cast<float>(options_.intensity_step);
   return std::clamp(std::floor(intensity / step) * step, 0.0F, 0.99F);
 }
@@ -150,6 +161,7 @@ LidarSensor::Ring LidarSensor::CastRing(const SceneView& view, const std::vector
   const auto sin_real = static_cast<float>(std::sin(real)),
              cos_real = static_cast<float>(std::cos(real));
   const auto bias = static_cast<float>(range_bias_m_[i]);
+  const auto gain = static_cast<float>(1.0 + gain_[i]);
   const auto max_range = static_cast<float>(options_.max_range_m);
   const auto min_range = static_cast<float>(options_.min_range_m);
 
@@ -184,7 +196,7 @@ LidarSensor::Ring LidarSensor::CastRing(const SceneView& view, const std::vector
       const uint64_t draw = rng.Next();
       const float range = hits[l].range_m + bias + range_sigma * QuickNormal(&rng);
       if (!hits[l].hit || range < min_range || range > max_range) continue;
-      const float intensity = Return(hits[l], real_direction[l], draw);
+      const float intensity = Return(hits[l], real_direction[l], gain, draw);
       if (intensity < 0.0F) continue;
       const Firing& f = *source[l];
       ring.points.emplace_back(f.R_out * (range * stored_direction[l]) + f.t_out);
@@ -215,9 +227,12 @@ LidarScan LidarSensor::Scan(const SceneView& view, const LidarSweep& sweep,
 }
 
 bool IsHiddenByCar(double azimuth_deg, int row) {
-  return std::any_of(std::begin(kHidden), std::end(kHidden), [&](const HiddenSector& h) {
-    return azimuth_deg >= h.begin_deg && azimuth_deg < h.end_deg && row >= h.first_row &&
-           row < h.end_row;
+  // The edges are frayed: lasers of neighbouring rows do not sit above each other.
+  const double azimuth = azimuth_deg + (row % 2 == 0 ? 1.2 : -1.2);
+  return std::any_of(std::begin(kHidden), std::end(kHidden), [&](const HiddenBlob& blob) {
+    const double away = std::remainder(azimuth - blob.azimuth_deg, 360.0) / blob.half_width_deg;
+    const double up = (row - blob.row) / blob.half_height;
+    return away * away + up * up < 1.0;
   });
 }
 

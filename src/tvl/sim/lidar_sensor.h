@@ -21,11 +21,12 @@ struct LidarSensorOptions {
   bool has_errors = true;       // false: exact ranges and angles, no losses, no car in the way
   double range_sigma_m = 0.02;  // data sheet
   double angle_sigma_rad = 3e-4;
-  double beam_range_sigma_m = 0.03;          // constant bias of each beam: residual of calibration
+  double beam_range_sigma_m = 0.03;  // constant bias of each beam: residual of calibration, mean 0
   double beam_elevation_sigma_rad = 0.0014;  // 0.08 deg, the same for elevations
-  double loss_share = 0.01;                  // of pulses, for no reason
-  double reach_m = 60.0;         // a surface of reflectivity 0.1, hit head-on, is seen to here
-  double intensity_step = 0.01;  // as KITTI stores it
+  double beam_gain_sigma = 0.15;  // relative brightness of a laser: real scans are striped
+  double loss_share = 0.01;       // of pulses, for no reason
+  double reach_m = 60.0;          // a surface of reflectivity 0.1, hit head-on, is seen to here
+  double intensity_step = 0.01;   // as KITTI stores it
   // Throws InputError naming the field.
   void Check() const;
 };
@@ -59,11 +60,12 @@ class LidarSensor {
   Ring CastRing(const SceneView& view, const std::vector<Firing>& firings, int row,
                 const LidarSweep& sweep) const;
   // Whether a pulse comes back, and how bright: below 0 it does not.
-  float Return(const SceneHit& hit, const Eigen::Vector3f& direction, uint64_t draw) const;
+  float Return(const SceneHit& hit, const Eigen::Vector3f& direction, float gain,
+               uint64_t draw) const;
 
   LidarModel model_;
   LidarSensorOptions options_;
-  std::vector<double> range_bias_m_, elevation_bias_rad_;  // by row
+  std::vector<double> range_bias_m_, elevation_bias_rad_, gain_;  // by row
 };
 
 // True where the own car hides the view: azimuth in degrees, 0..360 to the left from straight
