@@ -17,21 +17,13 @@ constexpr int kFailed = 1;
 constexpr int kUnusableInput = 2;
 
 void AddCommands(CLI::App& app) {
-#ifdef TVL_HAS_RUN
   AddRunCommand(app);
-#endif
-#ifdef TVL_HAS_SIMULATE
+#ifdef TVL_WITH_SIM
   AddSimulateCommand(app);
 #endif
-#ifdef TVL_HAS_EVALUATE
   AddEvaluateCommand(app);
-#endif
-#ifdef TVL_HAS_INSPECT
   AddInspectCommand(app);
-#endif
-#ifdef TVL_HAS_SHOW
   AddShowCommand(app);
-#endif
 }
 
 int Main(int argc, char** argv) {
