@@ -10,12 +10,22 @@
 namespace tvl {
 namespace {
 
+// Of the first motion of a raw recording.
+constexpr int kMaxStartPasses = 10;
+constexpr double kStartPrecision_m = 0.002;
+
 SlamOptions Checked(SlamOptions options) {
   options.Check();
   options.odometry.use_camera = options.odometry.use_camera && options.use_camera;
   options.mapping.scan_to_map.use_camera =
       options.mapping.scan_to_map.use_camera && options.use_camera;
   return options;
+}
+
+// A stamp that did not advance is not believed: the next period is counted from where it should
+// have been.
+Timestamp Advanced(Timestamp clock, Timestamp stamp, double period_s) {
+  return clock < stamp ? stamp : Timestamp{clock.ns + Timestamp::FromSeconds(period_s).ns};
 }
 
 FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
@@ -89,6 +99,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   has_velocity_ = !trajectory_.empty() && (has_velocity_ || result.status == FrameStatus::kTracked);
   motion_ = motion;
   path_m_ += motion.T_prev_cur.t().norm();
+  clock_ = trajectory_.empty() ? frame.stamp : Advanced(clock_, frame.stamp, motion.period_s);
   trajectory_.push_back({frame.id, frame.stamp, result.T_world_lidar});
   UpdateMap(current, cloud, executor, &result);
   odometry_.Advance(current, cloud.edges.points, cloud.planes.points);
@@ -105,7 +116,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
 
 PredictedMotion SlamSystem::Predict(const SensorFrame& frame) const {
   if (trajectory_.empty()) return {Rigid3d(), setup_.lidar.sweep_s};
-  const double period_s = SecondsBetween(trajectory_.back().stamp, frame.stamp);
+  const double period_s = SecondsBetween(clock_, frame.stamp);
   if (period_s <= 0.0) return motion_;  // reported as a fault by the input
   return {Scale(period_s / motion_.period_s, motion_.T_prev_cur), period_s};
 }
@@ -115,8 +126,29 @@ MotionEstimate SlamSystem::EstimateMotion(const PreprocessedFrame& frame,
                                           const Executor& executor) {
   if (trajectory_.empty()) return MotionEstimate();
   const SweepBins bins = deskew_ == Deskew::kNone ? SweepBins::Compensated() : SweepBins::Raw();
-  return odometry_.Estimate(frame, {predicted.T_prev_cur, has_velocity_}, bins, predicted.period_s,
-                            executor);
+  MotionEstimate estimate = odometry_.Estimate(frame, {predicted.T_prev_cur, has_velocity_}, bins,
+                                               predicted.period_s, executor);
+  if (has_velocity_ || deskew_ == Deskew::kNone || !last_.has_scan) return estimate;
+  // No motion was known when the previous scan was compensated. The one found now does it better,
+  // which makes it better itself: its error falls by half each time.
+  for (int pass = 0; pass < kMaxStartPasses; ++pass) {
+    if (estimate.status == EstimateStatus::kPredicted) break;
+    const Rigid3d T_prev_cur = estimate.T_ref_body;
+    CompensateLastAgain({T_prev_cur, predicted.period_s}, executor);
+    estimate = odometry_.Estimate(frame, {T_prev_cur, true}, bins, predicted.period_s, executor);
+    if ((estimate.T_ref_body.t() - T_prev_cur.t()).norm() < kStartPrecision_m) break;
+  }
+  return estimate;
+}
+
+void SlamSystem::CompensateLastAgain(const PredictedMotion& motion, const Executor& executor) {
+  const KeyframeCloud cloud = Compensate(last_, motion);
+  odometry_.Advance(last_, cloud.edges.points, cloud.planes.points);
+  if (map_.keyframes.size() != 1 || map_.keyframes.back().frame != last_.id) return;
+  Keyframe& keyframe = map_.keyframes.back();
+  keyframe.cloud = std::make_shared<const KeyframeCloud>(cloud);
+  local_map_ = LocalMap(options_.mapping.local_map);
+  local_map_.Add(keyframe, executor);
 }
 
 KeyframeCloud SlamSystem::Compensate(const PreprocessedFrame& frame,

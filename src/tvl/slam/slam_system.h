@@ -66,6 +66,8 @@ class SlamSystem {
   MotionEstimate EstimateMotion(const PreprocessedFrame& frame, const PredictedMotion& predicted,
                                 const Executor& executor);
   KeyframeCloud Compensate(const PreprocessedFrame& frame, const PredictedMotion& motion) const;
+  // Compensates the last frame's features anew, for the odometry and, as first keyframe, the map.
+  void CompensateLastAgain(const PredictedMotion& motion, const Executor& executor);
   void RefineAgainstMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                         const Rigid3d& T_world_guess, const Executor& executor,
                         FrameResult* result) const;
@@ -83,6 +85,7 @@ class SlamSystem {
   Map map_;
   Trajectory trajectory_;
   PredictedMotion motion_;     // of the last frame, as estimated
+  Timestamp clock_;            // of the last frame; runs on where stamps do not advance
   bool has_velocity_ = false;  // motion_ is an estimate
   double path_m_ = 0.0;
   int frames_since_map_step_ = 0;
