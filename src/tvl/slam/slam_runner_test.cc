@@ -1,0 +1,128 @@
+#include "tvl/slam/slam_runner.h"
+
+#include <gtest/gtest.h>
+
+#include "tvl/base/check.h"
+#include "tvl/slam/test_drive.h"
+
+namespace tvl {
+namespace {
+
+using synthetic::Drive;
+using synthetic::DriveOptions;
+
+bool GoOn(const FrameResult&) { return true; }
+
+DriveOptions Frames(size_t frames, Deskew spin = Deskew::kNone) {
+  DriveOptions options;
+  options.frames = frames;
+  options.spin = spin;
+  return options;
+}
+
+RunOptions LidarOnly() {
+  RunOptions options;
+  options.slam.use_camera = false;
+  options.decision.max_frames = 16;
+  return options;
+}
+
+RunResult Play(const Drive& drive, const RunOptions& options, const RunObserver& observer = GoOn) {
+  DatasetSource source(drive);
+  return RunSlam(source, options, observer);
+}
+
+TEST(RunSlam, GivesOneResultAFrameInOrder) {
+  const Drive drive(Frames(6));
+  for (const int threads : {1, 2}) {
+    RunOptions options = LidarOnly();
+    options.threads = threads;
+    options.deskew = Deskew::kNone;
+    size_t seen = 0;
+    const RunResult result = Play(drive, options, [&](const FrameResult& frame) {
+      EXPECT_EQ(frame.id, static_cast<FrameId>(seen));
+      ++seen;
+      return true;
+    });
+    EXPECT_EQ(seen, 6u);
+    EXPECT_EQ(result.frames.size(), 6u);
+    EXPECT_FALSE(result.stopped);
+    EXPECT_FALSE(result.map.keyframes.empty());
+  }
+}
+
+TEST(RunSlam, TheObserverCanStopItAndResultsAreKept) {
+  const Drive drive(Frames(30));
+  for (const int threads : {1, 2}) {
+    RunOptions options = LidarOnly();
+    options.threads = threads;
+    options.deskew = Deskew::kNone;
+    const RunResult result =
+        Play(drive, options, [](const FrameResult& frame) { return frame.id < 4; });
+    EXPECT_TRUE(result.stopped);
+    EXPECT_EQ(result.frames.size(), 5u);
+    EXPECT_FALSE(result.map.keyframes.empty());
+  }
+}
+
+TEST(RunSlam, RefusesAnInputWithoutAnyScan) {
+  DriveOptions options = Frames(3);
+  options.without_scan = {0, 1, 2};
+  const Drive drive(options);
+  EXPECT_THROW(Play(drive, LidarOnly()), InputError);
+}
+
+TEST(RunSlam, TheUserThenTheInputSayHowToDeskew) {
+  Drive drive(Frames(3));
+  drive.setup().deskew = Deskew::kClockwise;
+  RunOptions options = LidarOnly();
+  EXPECT_EQ(Play(drive, options).deskew.deskew, Deskew::kClockwise);
+  EXPECT_EQ(Play(drive, options).deskew.verdict, DeskewVerdict::kGiven);
+  options.deskew = Deskew::kNone;
+  EXPECT_EQ(Play(drive, options).deskew.deskew, Deskew::kNone);
+  EXPECT_NE(Play(drive, options).deskew.reason, "");
+}
+
+class DeskewDecisionOn : public ::testing::TestWithParam<Deskew> {};
+
+TEST_P(DeskewDecisionOn, TheDataDecide) {
+  Drive drive(Frames(25, GetParam()));
+  // A wrong default: it must not matter.
+  drive.setup().default_deskew = GetParam() == Deskew::kNone ? Deskew::kClockwise : Deskew::kNone;
+  RunOptions options = LidarOnly();
+  options.decision.max_frames = 25;
+  // Two seconds between smooth walls tell less than a real street.
+  options.decision.min_significance = 1.0;
+  const RunResult result = Play(drive, options);
+  EXPECT_EQ(result.deskew.verdict, DeskewVerdict::kDecided) << result.deskew.reason;
+  EXPECT_EQ(result.deskew.deskew, GetParam()) << result.deskew.reason;
+  EXPECT_GE(result.deskew.informative, options.decision.min_informative);
+  EXPECT_EQ(result.frames.size(), 25u) << "frames looked at to decide are run as well";
+  EXPECT_EQ(result.frames[0].id, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(CompensatedAndRaw, DeskewDecisionOn,
+                         ::testing::Values(Deskew::kNone, Deskew::kClockwise,
+                                           Deskew::kCounterClockwise));
+
+TEST(DeskewDecision, AStandingSensorTellsNothing) {
+  DriveOptions options = Frames(10);
+  options.speed_m_s = 0.0;
+  options.sway_m = 0.0;
+  Drive drive(options);
+  drive.setup().default_deskew = Deskew::kCounterClockwise;
+  const RunResult result = Play(drive, LidarOnly());
+  EXPECT_EQ(result.deskew.verdict, DeskewVerdict::kUndecided);
+  EXPECT_EQ(result.deskew.deskew, Deskew::kCounterClockwise);
+  EXPECT_NE(result.deskew.reason, "");
+}
+
+TEST(RunOptions, NameTheBadField) {
+  RunOptions options;
+  options.threads = 0;
+  const Drive drive(Frames(1));
+  EXPECT_THROW(Play(drive, options), InputError);
+}
+
+}  // namespace
+}  // namespace tvl
