@@ -17,7 +17,8 @@ TEST(Progress, TerminalGetsOneLineThatIsRedrawn) {
   EXPECT_NE(out.str().find("[############............] 5/10 frames"), std::string::npos);
   EXPECT_NE(out.str().find("10/10 frames"), std::string::npos);
   EXPECT_EQ(out.str().back(), '\n');
-  EXPECT_EQ(std::count(out.str().begin(), out.str().end(), '\n'), 1);
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
 }
 
 TEST(Progress, FilesGetPlainLinesOnly) {
