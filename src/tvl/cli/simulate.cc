@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "tvl/cli/commands.h"
+#include "tvl/cli/progress.h"
 #include "tvl/sim/drive_writer.h"
 
 namespace tvl {
@@ -30,9 +31,11 @@ sim::SimOptions Resolve(const SimulateArguments& arguments) {
 
 void Simulate(const SimulateArguments& arguments) {
   const sim::SimDataset drive(Resolve(arguments));
-  sim::WriteDrive(drive, arguments.out, arguments.threads, [&](size_t done) {
-    if (done % 100 == 0) std::cerr << "simulated " << done << " of " << drive.size() << " frames\n";
-  });
+  {
+    Progress progress(std::cerr, StderrIsTerminal(), "frames", drive.size());
+    sim::WriteDrive(drive, arguments.out, arguments.threads,
+                    [&](size_t done) { progress.Update(done, "simulate"); });
+  }
   std::cout << drive.size() << " frames, "
             << static_cast<int>(drive.drive().travel.Way_m(static_cast<double>(drive.size() - 1) *
                                                            sim::kFrameInterval_s))

@@ -31,7 +31,7 @@ VehicleOptions VehicleFor(const SimOptions& options) {
 // When the loop of a preset is to close.
 double ClosingTime_s(const SimOptions& options) {
   double frame = 0.6 * options.frames;
-  if (options.preset == "nightloop" || options.preset == "reverse") frame = 0.5 * options.frames;
+  if (options.preset == "nightloop") frame = 0.5 * options.frames;
   if (options.preset == "lateloop") frame = options.frames - kOverlap_frames;
   return std::max(1.0, frame) * kFrameInterval_s;
 }
@@ -40,14 +40,20 @@ bool IsLoop(const std::string& preset) {
   return preset == "loop" || preset == "nightloop" || preset == "lateloop";
 }
 
-// Way at which the lane first comes back to its start.
-double LapLength_m(const Polyline& lane, double about_m) {
-  double best_m = about_m, best_distance = 1e9;
-  for (double s = 0.7 * about_m; s < 1.4 * about_m && s < lane.length_m(); s += 0.5) {
-    const double distance = (lane.At(s) - lane.At(0.0)).norm();
-    if (distance < best_distance) best_distance = distance, best_m = s;
+// Way at which the lane first leads along a street it has led along before: in the same direction
+// (sign 1) or the opposite one (-1). Its length if it never does.
+double FirstRevisit_m(const Polyline& lane, double sign) {
+  constexpr double kStep_m = 2.0, kSameStreet_m = 5.0, kApart_m = 60.0;
+  std::vector<Vector2d> places, tangents;
+  for (double s = 0.0; s < lane.length_m(); s += kStep_m) {
+    const Vector2d p = lane.At(s), t = lane.Tangent(s);
+    for (size_t i = 0; i < places.size(); ++i) {
+      if (s - kStep_m * static_cast<double>(i) < kApart_m) break;
+      if ((p - places[i]).norm() < kSameStreet_m && sign * t.dot(tangents[i]) > 0.9) return s;
+    }
+    places.push_back(p), tangents.push_back(t);
   }
-  return best_m;
+  return lane.length_m();
 }
 
 struct PlannedRoute {
@@ -55,29 +61,33 @@ struct PlannedRoute {
   TravelProfile travel;
 };
 
-PlannedRoute PlanPreset(const SimOptions& options) {
+PlannedRoute PlanSized(const SimOptions& options, double closing_m) {
   const VehicleOptions vehicle = VehicleFor(options);
-  const double duration_s = options.frames * kFrameInterval_s;
-  const double travel_m = (duration_s + kAhead_s) * 1.25 * vehicle.cruise_m_s + 50.0;
+  const double duration_s = options.frames * kFrameInterval_s + kAhead_s;
+  const double travel_m = duration_s * 1.25 * vehicle.cruise_m_s + 50.0;
+  Route route = PlanRoute(options.preset, options.seed, travel_m, closing_m);
+  TravelProfile travel(route, vehicle, options.seed, duration_s);
+  return {std::move(route), std::move(travel)};
+}
+
+// How far the vehicle gets depends on corners and stops, and these on the size of the block: the
+// size is searched for at which the loop closes when it should.
+PlannedRoute PlanPreset(const SimOptions& options) {
   const double closing_s = ClosingTime_s(options);
-  double closing_m = 7.0 * closing_s;
-  const auto plan = [&] {
-    const Route route =
-        PlanRoute(options.preset, options.seed, travel_m, std::max(120.0, closing_m));
-    return PlannedRoute{route, TravelProfile(route, vehicle, options.seed, duration_s + kAhead_s)};
+  const bool is_loop = IsLoop(options.preset);
+  if (!is_loop && options.preset != "reverse") return PlanSized(options, 0.0);
+  const auto closes_s = [&](double closing_m) {
+    const PlannedRoute planned = PlanSized(options, closing_m);
+    return planned.travel.TimeAt(FirstRevisit_m(planned.route.lane, is_loop ? 1.0 : -1.0));
   };
-  PlannedRoute planned = plan();
-  // How far the vehicle gets depends on the corners, and these on the size of the block.
-  for (int round = 0; round < 12 && (IsLoop(options.preset) || options.preset == "reverse");
-       ++round) {
-    const double way_m = planned.travel.Way_m(closing_s);
-    const double lap_m =
-        IsLoop(options.preset) ? LapLength_m(planned.route.lane, closing_m) : closing_m;
-    if (std::abs(way_m - lap_m) < 1.0) break;
-    closing_m += 0.7 * (way_m - lap_m);
-    planned = plan();
+  // From too large downwards: of several sizes the largest, with the least of standing at corners.
+  constexpr double kSmallest_m = 120.0;
+  double closing_m = 12.0 * closing_s, step_m = 0.1 * closing_m;
+  for (int round = 0; round < 4; ++round, step_m *= 0.25) {
+    while (closing_m > kSmallest_m && closes_s(closing_m) > closing_s) closing_m -= step_m;
+    if (round < 3) closing_m += step_m;
   }
-  return planned;
+  return PlanSized(options, std::max(kSmallest_m, closing_m));
 }
 
 std::vector<Rigid3d> DrivePreset(const PlannedRoute& planned, const Terrain& terrain,

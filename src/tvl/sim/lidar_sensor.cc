@@ -133,7 +133,7 @@ float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, float 
   const float cosine = std::abs(hit.normal.dot(direction));
   if (options_.has_errors) {
     if (Unit(draw) < static_cast<float>(options_.loss_share)) return -1.0F;
-    if (Unit(draw >> 12) < surface.mirror * (1.3F - cosine)) return -1.0F;
+    if (Unit(draw >> 12) < surface.mirror * (1.25F - 0.5F * cosine)) return -1.0F;
     // What comes back falls with the square of the range and, less than Lambert's law says, with
     // the incidence; near the threshold some pulses make it.
     const float r = hit.range_m / static_cast<float>(options_.reach_m);

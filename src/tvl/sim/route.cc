@@ -79,22 +79,23 @@ std::vector<Vector2d> WalkTown(double length_m, Rng* rng) {
   return corners;
 }
 
-// Twice around a block of the given perimeter, starting in the middle of a side.
-std::vector<Vector2d> TwiceAroundBlock(double perimeter_m, Rng* rng) {
+// Around and around a block of the given perimeter, starting in the middle of a side.
+std::vector<Vector2d> AroundBlock(double perimeter_m, Rng* rng) {
   const double share = rng->Uniform(0.35, 0.65);  // of half the perimeter, for the first side
   const double a = 0.5 * perimeter_m * share, b = 0.5 * perimeter_m * (1.0 - share);
   const double side = rng->Uniform() < 0.5 ? 1.0 : -1.0;  // left or right turns
   const Vector2d low(0.5 * a, 0), far(0.5 * a, side * b), back(-0.5 * a, side * b),
       near(-0.5 * a, 0);
-  return {{0, 0}, low, far, back, near, low, far, back, near, {0.3 * a, 0}};
+  return {{0, 0}, low, far, back, near, low, far, back, near, low, far, back, near, {0.3 * a, 0}};
 }
 
-// Along a street, around a block at its end, and back along the street.
-std::vector<Vector2d> OutAndBack(double turn_back_m, double travel_m, Rng* rng) {
-  const double block = std::clamp(0.25 * turn_back_m, 50.0, 110.0);
-  const double out = std::max(30.0, turn_back_m - 2.0 * block);
+// Along a street, around a block at its end, and after back_m along the street again, the other
+// way.
+std::vector<Vector2d> OutAndBack(double back_m, double travel_m, Rng* rng) {
+  const double block = std::clamp(0.12 * back_m, 40.0, 110.0);
+  const double out = std::max(30.0, back_m - 4.0 * block);
   const double side = rng->Uniform() < 0.5 ? 1.0 : -1.0;
-  const double behind = std::max(out, travel_m - turn_back_m);
+  const double behind = std::max(out, travel_m - back_m);
   return {{0, 0},
           {out, 0},
           {out + block, 0},
@@ -121,7 +122,7 @@ std::vector<Vector2d> Serpentine(double length_m) {
 std::vector<Vector2d> Corners(const std::string& preset, double travel_m, double closing_m,
                               Rng* rng) {
   if (preset == "loop" || preset == "nightloop" || preset == "lateloop") {
-    return TwiceAroundBlock(closing_m, rng);
+    return AroundBlock(closing_m, rng);
   }
   if (preset == "reverse") return OutAndBack(closing_m, travel_m, rng);
   if (preset == "aliasing") return Serpentine(travel_m);
@@ -145,13 +146,13 @@ void AddSideStreets(uint64_t seed, Route* route) {
   }
 }
 
-// A stop before about every fourth corner sharper than 45 degrees.
+// A stop before about every fifth corner sharper than 45 degrees.
 std::vector<double> ChooseStops(const Polyline& lane, Rng* rng) {
   std::vector<double> stops;
   for (double s = 20.0; s < lane.length_m(); s += 1.0) {
     const double cosine = lane.Tangent(s).dot(lane.Tangent(s + 12.0));
     if (cosine > std::cos(kPi / 4)) continue;
-    if (rng->Uniform() < 0.3) stops.push_back(s - 2.0);
+    if (rng->Uniform() < 0.2) stops.push_back(s - 2.0);
     s += 30.0;
   }
   return stops;
@@ -163,7 +164,7 @@ Route PlanRoute(const std::string& preset, uint64_t seed, double travel_m, doubl
   Rng rng(seed, kRouteStream);
   const bool is_straight = preset == "aliasing" || preset == "tunnel";
   const std::vector<Vector2d> corners = Corners(preset, travel_m, closing_m, &rng);
-  const double radius_m = is_straight ? 9.0 : rng.Uniform(8.0, 11.0);
+  const double radius_m = is_straight ? 9.0 : rng.Uniform(9.0, 12.0);
   const Polyline grid = RoundCorners(corners, radius_m, kSampling_m);
   const Polyline axis = is_straight ? grid : Bent(grid, Bend(&rng));
   Route route;

@@ -104,6 +104,7 @@ SensorSetup SensorsFor(const SimOptions& options) {
   setup.lidar = LoadProfile("kitti");
   if (options.clean) setup.lidar.vertical_correction_rad = 0.0;
   setup.has_camera = options.has_camera;
+  setup.seed = options.seed;
   return setup;
 }
 

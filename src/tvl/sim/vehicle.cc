@@ -105,7 +105,7 @@ TravelProfile::TravelProfile(const Route& route, const VehicleOptions& options, 
     const double speed = std::max(0.25, (1.0 - share) * v[i] + share * v[i + 1]);
     // A stop is passed once, after a wait.
     const auto next = static_cast<size_t>((s + speed * kTick_s) / kGrid_m);
-    if (next != i && next < v.size() && v[next] == 0.0) pause_s = rng.Uniform(2.0, 5.0);
+    if (next != i && next < v.size() && v[next] == 0.0) pause_s = rng.Uniform(1.5, 4.0);
     s += speed * kTick_s;
   }
   way_m_ = SmoothWay(way_m_, 25);

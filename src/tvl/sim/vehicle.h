@@ -15,7 +15,7 @@ struct VehicleOptions {
   double cruise_m_s = 11.0;        // town traffic
   double acceleration_m_s2 = 1.5;  // ordinary driver
   double braking_m_s2 = 1.9;
-  double lateral_m_s2 = 2.2;      // comfort limit in turns
+  double lateral_m_s2 = 1.9;      // comfort limit in turns
   double tunnel_variation = 0.0;  // share by which the speed varies inside a tunnel
   double pitch_per_m_s2 = 0.005;  // rad of squat per m/s^2 along
   double roll_per_m_s2 = 0.008;   // rad of lean per m/s^2 across
