@@ -120,6 +120,20 @@ EstimateEvidence Evidence(const Problem& problem, const LaserSum& laser, const V
   return evidence;
 }
 
+double MedianDistance_m(const std::vector<PlaneMatch>& planes, const Rigid3d& T, double gate_m) {
+  const Eigen::Matrix3d R = T.R();
+  std::vector<double> distances;
+  distances.reserve(planes.size());
+  for (const PlaneMatch& match : planes) {
+    const double distance_m = std::abs(Evaluate(match.factor, R, T.t()).r[0]);
+    if (distance_m < gate_m) distances.push_back(distance_m);
+  }
+  if (distances.empty()) return 0.0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
 class Refiner {
  public:
   Refiner(const Rigid3d& T_cam_lidar, const PosePrior& prior, const ScanToMapOptions& options,
@@ -145,8 +159,8 @@ class Refiner {
   // Correspondences at T, the lidar's weak directions, and the landmarks that agree.
   Problem Match(const Sources& sources, const Rigid3d& T, double gate_m) const {
     Problem problem;
-    problem.laser.planes = MatchPlanes(sources.points.planes, sources.map.planes(), T, gate_m,
-                                       options_, executor_);
+    problem.laser.planes =
+        MatchPlanes(sources.points.planes, sources.map.planes(), T, gate_m, options_, executor_);
     problem.laser.lines =
         MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, options_);
     if (options_.use_camera) problem.visual.forward = sources.landmarks.Match(sources.tracks, T);
@@ -168,6 +182,7 @@ class Refiner {
         HonestCovariance(All(problem, T).H, prior_.step_m, options_.covariance);
     result.translation_ratio = problem.weakness.translation_ratio;
     result.rotation_ratio = problem.weakness.rotation_ratio;
+    result.plane_median_m = MedianDistance_m(problem.laser.planes, T, options_.last_gate_m);
     return result;
   }
 

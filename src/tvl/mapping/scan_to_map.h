@@ -42,6 +42,10 @@ struct PosePrior {
 struct ScanToMapResult {
   MotionEstimate estimate;                               // T_ref_body = T_world_lidar
   double translation_ratio = 1.0, rotation_ratio = 1.0;  // of Weakness
+  // Median distance of points to their planes, of those within last_gate_m, m. Unlike plane_rms_m
+  // it does not depend on the gate at which the refreshes ended, nor on clutter: its logarithm
+  // tells answers to the de-skewing question apart.
+  double plane_median_m = 0.0;
 };
 
 // Points of F_lf and F_ls as the map step uses them, compensated to the stamp.
