@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 #include "tvl/base/check.h"
-#include "tvl/slam/slam_system.h"
 
 namespace tvl {
 namespace {
@@ -13,55 +13,38 @@ namespace {
 constexpr std::array<Deskew, 3> kAnswers = {Deskew::kNone, Deskew::kClockwise,
                                             Deskew::kCounterClockwise};
 
-// Residual of every frame under one answer; negative where it says nothing.
-std::vector<double> Residuals(const std::vector<SensorFrame>& frames, const SensorSetup& setup,
-                              const SlamOptions& slam, Deskew answer,
-                              const DeskewDecisionOptions& options, const Executor& executor) {
-  SlamSystem system(setup, answer, slam);
-  std::vector<double> residuals;
-  for (const SensorFrame& frame : frames) {
-    const FrameResult result = system.ProcessFrame(frame, executor);
-    const Rigid3d& T = result.odometry.T_ref_body;
-    const double shift_m = 0.5 * std::max(T.t().norm(), 20.0 * T.RotationAngle());
-    const MotionEstimate& estimate = result.map_step.estimate;
-    const bool tells = estimate.evidence.planes > 0 && shift_m > options.min_shift_m &&
-                       estimate.status != EstimateStatus::kPredicted;
-    residuals.push_back(tells ? std::pow(estimate.evidence.plane_rms_m, 2) : -1.0);
-  }
-  return residuals;
-}
+// Before there are so many keyframes the map is too coarse for its residuals to say anything.
+constexpr size_t kMinKeyframes = 4;
 
-struct Comparison {
-  double difference = 0.0, significance = 0.0;
-};
-
-// Mean of b - a over the frames, in standard errors.
-Comparison Compare(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0, sum_sq = 0.0;
-  const double n = static_cast<double>(a.size());
-  for (size_t i = 0; i < a.size(); ++i) {
-    sum += b[i] - a[i];
-    sum_sq += (b[i] - a[i]) * (b[i] - a[i]);
-  }
-  const double mean = sum / n;
-  const double variance = std::max(1e-18, sum_sq / n - mean * mean);
-  return {mean, mean / std::sqrt(variance / n)};
-}
-
-// Of each answer, the frames that tell something under all of them.
-std::array<std::vector<double>, 3> Common(const std::array<std::vector<double>, 3>& all) {
-  std::array<std::vector<double>, 3> common;
-  for (size_t i = 0; i < all[0].size(); ++i) {
-    if (all[0][i] < 0.0 || all[1][i] < 0.0 || all[2][i] < 0.0) continue;
-    for (size_t a = 0; a < 3; ++a) common[a].push_back(all[a][i]);
-  }
-  return common;
+// Logarithm of a frame's median squared residual. The logarithm, because frames differ more than
+// answers do: a few cluttered places would decide a mean of plain differences. NaN: says nothing.
+double LogResidualSq(const DeskewTrial::Contender& contender, double min_rotation_rad) {
+  const FrameResult& frame = contender.frames.back();
+  const double median_m = frame.map_step.plane_median_m;
+  const bool tells = contender.system.map().keyframes.size() >= kMinKeyframes &&
+                     frame.map_step.estimate.status != EstimateStatus::kPredicted &&
+                     median_m > 0.0 &&
+                     frame.odometry.T_ref_body.RotationAngle() > min_rotation_rad;
+  return tells ? 2.0 * std::log(median_m) : std::nan("");
 }
 
 double Mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v;
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+// Mean of other - best over the frames, in standard errors.
+double Significance(const std::vector<double>& best, const std::vector<double>& other) {
+  double sum = 0.0, sum_sq = 0.0;
+  const double n = static_cast<double>(best.size());
+  for (size_t i = 0; i < best.size(); ++i) {
+    sum += other[i] - best[i];
+    sum_sq += (other[i] - best[i]) * (other[i] - best[i]);
+  }
+  const double mean = sum / n;
+  const double variance = std::max(1e-18, sum_sq / n - mean * mean);
+  return mean / std::sqrt(variance / n);
 }
 
 }  // namespace
@@ -91,42 +74,73 @@ const char* ToString(Deskew deskew) {
 }
 
 void DeskewDecisionOptions::Check() const {
-  TVL_CHECK_INPUT(max_frames >= 2) << "deskew.max_frames: must be at least 2";
-  TVL_CHECK_INPUT(min_informative >= 2) << "deskew.min_informative: must be at least 2";
-  TVL_CHECK_INPUT(min_significance > 0.0) << "deskew.min_significance: must be positive";
+  TVL_CHECK_INPUT(max_frames >= 2) << "deskew_decision.max_frames: must be at least 2";
+  TVL_CHECK_INPUT(min_rotation_rad >= 0.0)
+      << "deskew_decision.min_rotation_rad: must not be negative";
+  TVL_CHECK_INPUT(min_informative >= 2) << "deskew_decision.min_informative: must be at least 2";
+  TVL_CHECK_INPUT(min_significance > 0.0) << "deskew_decision.min_significance: must be positive";
 }
 
-DeskewDecision DecideDeskew(const std::vector<SensorFrame>& frames, const SensorSetup& setup,
-                            const SlamOptions& slam, const DeskewDecisionOptions& options,
-                            const Executor& executor) {
-  SlamOptions lidar_only = slam;
-  lidar_only.use_camera = false;
-  std::array<std::vector<double>, 3> residuals;
-  for (size_t a = 0; a < 3; ++a) {
-    residuals[a] = Residuals(frames, setup, lidar_only, kAnswers[a], options, executor);
+DeskewTrial::DeskewTrial(const SensorSetup& setup, const SlamOptions& slam,
+                         const DeskewDecisionOptions& options)
+    : options_(options), default_answer_(setup.default_deskew) {
+  for (const Deskew answer : kAnswers) {
+    contenders_.push_back({answer, SlamSystem(setup, answer, slam), {}});
   }
-  residuals = Common(residuals);
+}
+
+DeskewTrial::Contender& DeskewTrial::DefaultContender() {
+  return *std::find_if(contenders_.begin(), contenders_.end(),
+                       [&](const Contender& c) { return c.answer == default_answer_; });
+}
+
+const FrameResult& DeskewTrial::ProcessFrame(const SensorFrame& frame, const Executor& executor) {
+  const Executor alone(1);  // one thread a contender
+  executor.For(contenders_.size(), 1, [&](size_t begin, size_t) {
+    Contender& contender = contenders_[begin];
+    contender.frames.push_back(contender.system.ProcessFrame(frame, alone));
+  });
+  std::array<double, 3> log_sq;
+  for (size_t i = 0; i < 3; ++i) {
+    log_sq[i] = LogResidualSq(contenders_[i], options_.min_rotation_rad);
+  }
+  if (!std::isnan(log_sq[0] + log_sq[1] + log_sq[2])) {
+    for (size_t i = 0; i < 3; ++i) log_residuals_sq_[i].push_back(log_sq[i]);
+  }
+  return DefaultContender().frames.back();
+}
+
+bool DeskewTrial::IsOver() const {
+  return contenders_[0].frames.size() >= static_cast<size_t>(options_.max_frames) ||
+         Judge().verdict == DeskewVerdict::kDecided;
+}
+
+DeskewDecision DeskewTrial::Judge() const {
   DeskewDecision decision;
-  decision.deskew = setup.default_deskew;
+  decision.deskew = default_answer_;
   decision.verdict = DeskewVerdict::kUndecided;
-  decision.informative = static_cast<int>(residuals[0].size());
+  decision.informative = static_cast<int>(log_residuals_sq_[0].size());
   std::ostringstream reason;
-  if (decision.informative < options.min_informative) {
-    reason << "only " << decision.informative << " of the first " << frames.size()
-           << " frames move enough to tell; the input's default is taken";
+  reason << std::setprecision(3);
+  if (decision.informative < options_.min_informative) {
+    reason << "only " << decision.informative << " of the first " << contenders_[0].frames.size()
+           << " frames turn enough to tell; the input's default is taken";
     decision.reason = reason.str();
     return decision;
   }
   std::array<size_t, 3> order = {0, 1, 2};
-  for (size_t a = 0; a < 3; ++a) decision.residual_sq_m2[a] = Mean(residuals[a]);
+  for (size_t i = 0; i < 3; ++i) {
+    decision.residual_sq_m2[i] = std::exp(Mean(log_residuals_sq_[i]));
+  }
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return decision.residual_sq_m2[a] < decision.residual_sq_m2[b];
   });
-  const Comparison lead = Compare(residuals[order[0]], residuals[order[1]]);
+  const auto& best = log_residuals_sq_[order[0]];
+  const double lead = std::min(Significance(best, log_residuals_sq_[order[1]]),
+                               Significance(best, log_residuals_sq_[order[2]]));
   reason << ToString(kAnswers[order[0]]) << " fits best over " << decision.informative
-         << " frames, " << ToString(kAnswers[order[1]]) << " next, " << lead.significance
-         << " standard errors apart";
-  if (lead.significance >= options.min_significance) {
+         << " turning frames, " << lead << " standard errors ahead";
+  if (lead >= options_.min_significance) {
     decision.deskew = kAnswers[order[0]];
     decision.verdict = DeskewVerdict::kDecided;
   } else {
@@ -134,6 +148,11 @@ DeskewDecision DecideDeskew(const std::vector<SensorFrame>& frames, const Sensor
   }
   decision.reason = reason.str();
   return decision;
+}
+
+DeskewTrial::Contender DeskewTrial::Take() {
+  default_answer_ = Judge().deskew;
+  return std::move(DefaultContender());
 }
 
 }  // namespace tvl

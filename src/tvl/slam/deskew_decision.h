@@ -8,6 +8,7 @@
 
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/slam_options.h"
+#include "tvl/slam/slam_system.h"
 
 namespace tvl {
 
@@ -20,12 +21,14 @@ const char* ToString(DeskewVerdict verdict);
 const char* ToString(Deskew deskew);  // none, cw, ccw
 
 struct DeskewDecisionOptions {
-  int max_frames = 30;      // looked at, at most
-  int min_informative = 8;  // frames that must tell the answers apart
-  // A frame tells something if a point at the end of the sweep moves by more than this against its
-  // middle: half a step, or half a turn's angle at 20 m.
-  double min_shift_m = 0.15;
-  // The best answer's mean residual must be below the second's by this many standard errors.
+  // Frames looked at, at most: 20 s, within which most drives turn.
+  int max_frames = 200;
+  // Driving straight all answers distort every scan alike and fit alike; in a turn they do not. A
+  // frame tells something if the sensor turns by this much a sweep: 0.1 m at 20 m at its ends.
+  double min_rotation_rad = 0.01;
+  int min_informative = 20;  // such frames before a decision
+  // The best answer's residual must be below each other's by this many standard
+  // errors. Neighbouring frames share errors: 4 is not as much as it looks.
   double min_significance = 4.0;
   void Check() const;
 };
@@ -34,14 +37,45 @@ struct DeskewDecision {
   Deskew deskew = Deskew::kNone;
   DeskewVerdict verdict = DeskewVerdict::kGiven;
   std::string reason;  // a sentence for the report
-  // Mean squared scan-to-map residual over the informative frames (m^2): none, cw, ccw.
+  // Typical squared scan-to-map residual of the informative frames (m^2; geometric mean of their
+  // squared medians): none, cw, ccw.
   std::array<double, 3> residual_sq_m2{};
   int informative = 0;
 };
 
-// Runs a lidar-only system over the frames with each answer.
-DeskewDecision DecideDeskew(const std::vector<SensorFrame>& frames, const SensorSetup& setup,
-                            const SlamOptions& slam, const DeskewDecisionOptions& options,
-                            const Executor& executor);
+// Three systems side by side, one an answer, until the data decide. Whatever the verdict, the
+// system and results of the answer taken are complete from the first frame on: nothing is run
+// twice and no frame is kept.
+class DeskewTrial {
+ public:
+  struct Contender {
+    Deskew answer;
+    SlamSystem system;
+    std::vector<FrameResult> frames;
+  };
+
+  DeskewTrial(const SensorSetup& setup, const SlamOptions& slam,
+              const DeskewDecisionOptions& options);
+
+  // Gives the frame to all; returns the result under the input's default answer (provisional).
+  const FrameResult& ProcessFrame(const SensorFrame& frame, const Executor& executor);
+
+  // Decided, or out of patience.
+  bool IsOver() const;
+  // The verdict so far.
+  DeskewDecision Judge() const;
+  // The contender that Judge() takes; the trial is over then.
+  Contender Take();
+
+ private:
+  Contender& DefaultContender();
+
+  DeskewDecisionOptions options_;
+  Deskew default_answer_;
+  std::vector<Contender> contenders_;
+  // Logarithms of the squared median residuals (m^2) of the informative frames, one list a
+  // contender.
+  std::array<std::vector<double>, 3> log_residuals_sq_;
+};
 
 }  // namespace tvl

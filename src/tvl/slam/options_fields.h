@@ -280,7 +280,7 @@ template <typename Visitor>
 void VisitFields(Visitor& visit, DeskewDecisionOptions& options) {
   TVL_FIELD(max_frames);
   TVL_FIELD(min_informative);
-  TVL_FIELD(min_shift_m);
+  TVL_FIELD(min_rotation_rad);
   TVL_FIELD(min_significance);
 }
 

@@ -1,6 +1,5 @@
 #include "tvl/slam/slam_runner.h"
 
-#include <deque>
 #include <future>
 
 #include "tvl/base/check.h"
@@ -8,7 +7,7 @@
 namespace tvl {
 namespace {
 
-// A source with frames put back at its front, and the next frame fetched while one is worked on.
+// Fetches the next frame while one is worked on.
 class Prefetcher {
  public:
   Prefetcher(FrameSource& source, bool in_background)
@@ -18,39 +17,50 @@ class Prefetcher {
   }
 
   std::optional<SensorFrame> Next() {
-    if (!returned_.empty()) {
-      SensorFrame frame = std::move(returned_.front());
-      returned_.pop_front();
-      return frame;
-    }
     if (!in_background_) return source_.Next();
     std::optional<SensorFrame> frame = next_.valid() ? next_.get() : source_.Next();
     if (frame) next_ = std::async(std::launch::async, [this] { return source_.Next(); });
     return frame;
   }
-  void PutBack(const std::vector<SensorFrame>& frames) {
-    returned_.insert(returned_.begin(), frames.begin(), frames.end());
-  }
 
  private:
   FrameSource& source_;
   bool in_background_;
-  std::deque<SensorFrame> returned_;
   std::future<std::optional<SensorFrame>> next_;
 };
 
-DeskewDecision Decide(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
-                      const Executor& executor) {
-  if (options.deskew) return {*options.deskew, DeskewVerdict::kGiven, "set by the user", {}, 0};
-  if (setup.deskew) return {*setup.deskew, DeskewVerdict::kGiven, "stated by the input", {}, 0};
-  std::vector<SensorFrame> first;
-  while (first.size() < static_cast<size_t>(options.decision.max_frames)) {
-    std::optional<SensorFrame> frame = frames.Next();
+// The system a run goes on with, and its results so far.
+struct Started {
+  SlamSystem system;
+  std::vector<FrameResult> frames;
+  DeskewDecision deskew;
+  bool stopped = false;
+};
+
+Started StartWith(Deskew deskew, const std::string& said_by, const SensorSetup& setup,
+                  const SlamOptions& slam) {
+  return {SlamSystem(setup, deskew, slam), {}, {deskew, DeskewVerdict::kGiven, said_by, {}, 0}};
+}
+
+Started StartWithTrial(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
+                       const RunObserver& observer, const Executor& executor) {
+  DeskewTrial trial(setup, options.slam, options.decision);
+  bool go_on = true;
+  while (go_on && !trial.IsOver()) {
+    const std::optional<SensorFrame> frame = frames.Next();
     if (!frame) break;
-    first.push_back(std::move(*frame));
+    go_on = observer(trial.ProcessFrame(*frame, executor));
   }
-  frames.PutBack(first);
-  return DecideDeskew(first, setup, options.slam, options.decision, executor);
+  const DeskewDecision decision = trial.Judge();
+  DeskewTrial::Contender taken = trial.Take();
+  return {std::move(taken.system), std::move(taken.frames), decision, !go_on};
+}
+
+Started Start(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
+              const RunObserver& observer, const Executor& executor) {
+  if (options.deskew) return StartWith(*options.deskew, "set by the user", setup, options.slam);
+  if (setup.deskew) return StartWith(*setup.deskew, "stated by the input", setup, options.slam);
+  return StartWithTrial(frames, setup, options, observer, executor);
 }
 
 }  // namespace
@@ -65,17 +75,18 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
   options.Check();
   const Executor executor(options.threads);
   Prefetcher frames(source, options.threads > 1);
+  Started run = Start(frames, source.setup(), options, observer, executor);
   RunResult result;
-  result.deskew = Decide(frames, source.setup(), options, executor);
-  SlamSystem system(source.setup(), result.deskew.deskew, options.slam);
-  while (std::optional<SensorFrame> frame = frames.Next()) {
-    result.frames.push_back(system.ProcessFrame(*frame, executor));
-    if (!observer(result.frames.back())) {
-      result.stopped = true;
-      break;
-    }
+  result.deskew = run.deskew;
+  result.frames = std::move(run.frames);
+  result.stopped = run.stopped;
+  while (!result.stopped) {
+    const std::optional<SensorFrame> frame = frames.Next();
+    if (!frame) break;
+    result.frames.push_back(run.system.ProcessFrame(*frame, executor));
+    result.stopped = !observer(result.frames.back());
   }
-  result.map = system.map();
+  result.map = run.system.map();
   TVL_CHECK_INPUT(!result.map.keyframes.empty())
       << source.setup().name << ": no frame of " << result.frames.size() << " has a usable scan";
   return result;

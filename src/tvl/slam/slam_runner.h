@@ -26,7 +26,8 @@ struct RunResult {
   bool stopped = false;  // the observer said so
 };
 
-// Sees every frame's result; returns false to stop the run (all results so far are kept).
+// Sees every frame's result, once and in order; returns false to stop the run (all results so far
+// are kept). Until the de-skewing is decided it sees the results under the input's default.
 using RunObserver = std::function<bool(const FrameResult&)>;
 
 // Throws InputError if not one frame has a usable scan.
