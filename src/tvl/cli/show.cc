@@ -11,7 +11,6 @@
 #include "tvl/base/check.h"
 #include "tvl/cli/commands.h"
 #include "tvl/cli/input.h"
-#include "tvl/geometry/elevation.h"
 #include "tvl/io/atomic_file.h"
 #include "tvl/lidar/deskew.h"
 #include "tvl/report/depth_picture.h"
@@ -49,14 +48,10 @@ Deskew ChooseDeskew(const ShowArguments& arguments, const SensorSetup& setup) {
 }
 
 // The points of a frame at its stamp, as depth association got them.
-std::vector<Eigen::Vector3f> PointsForDepth(const SlamSystem& system, const SensorSetup& setup,
-                                            const PreprocessingOptions& options) {
+std::vector<Eigen::Vector3f> PointsForDepth(const SlamSystem& system) {
   const SegmentedScan& scan = system.last_frame().scan;
-  std::vector<Eigen::Vector3f> points =
-      DeskewPoints(scan.points, scan.time_offset_s, system.last_motion().T_prev_cur,
-                   system.last_motion().period_s);
-  if (options.correct_depth_points) return points;
-  return RaiseElevation(points, -setup.lidar.vertical_correction_rad);
+  return DeskewPoints(scan.points, scan.time_offset_s, system.last_motion().T_prev_cur,
+                      system.last_motion().period_s);
 }
 
 std::string Faults(const SensorFrame& frame) {
@@ -66,7 +61,7 @@ std::string Faults(const SensorFrame& frame) {
 }
 
 cv::Mat DrawStage(const std::string& stage, const SensorFrame& frame, const SlamSystem& system,
-                  const SensorSetup& setup, const SlamOptions& options) {
+                  const SensorSetup& setup) {
   const PreprocessedFrame& data = system.last_frame();
   if (stage == "tracks" || stage == "depth") {
     TVL_CHECK_INPUT(data.has_image)
@@ -78,9 +73,8 @@ cv::Mat DrawStage(const std::string& stage, const SensorFrame& frame, const Slam
   if (stage == "features") {
     return DrawFeatures(frame.image, data.features, data.tracks, data.depths, setup.calibration);
   }
-  return DrawDepths(frame.image, data.tracks, data.depths,
-                    PointsForDepth(system, setup, options.preprocessing), setup.calibration.camera,
-                    setup.calibration.T_cam_lidar);
+  return DrawDepths(frame.image, data.tracks, data.depths, PointsForDepth(system),
+                    setup.calibration.camera, setup.calibration.T_cam_lidar);
 }
 
 cv::Mat DrawOneFrame(const ShowArguments& arguments, const Dataset& dataset) {
@@ -93,7 +87,7 @@ cv::Mat DrawOneFrame(const ShowArguments& arguments, const Dataset& dataset) {
     frame = dataset.Frame(k);
     system.ProcessFrame(frame, executor);
   }
-  return DrawStage(arguments.stage, frame, system, dataset.setup(), options);
+  return DrawStage(arguments.stage, frame, system, system.setup());
 }
 
 cv::Mat DrawMapUpTo(const ShowArguments& arguments, const Dataset& dataset) {

@@ -23,8 +23,7 @@ double LogResidualSq(const DeskewTrial::Contender& contender, double min_rotatio
   const double median_m = frame.map_step.plane_median_m;
   const bool tells = contender.system.map().keyframes.size() >= kMinKeyframes &&
                      frame.map_step.estimate.status != EstimateStatus::kPredicted &&
-                     median_m > 0.0 &&
-                     frame.odometry.T_ref_body.RotationAngle() > min_rotation_rad;
+                     median_m > 0.0 && frame.odometry.T_ref_body.RotationAngle() > min_rotation_rad;
   return tells ? 2.0 * std::log(median_m) : std::nan("");
 }
 

@@ -144,7 +144,7 @@ void VisitFields(Visitor& visit, PreprocessingOptions& options) {
   TVL_FIELD(segmentation);
   TVL_FIELD(features);
   TVL_FIELD(depth);
-  TVL_FIELD(correct_depth_points);
+  TVL_FIELD(calibrated_on_stored_points);
 }
 
 template <typename Visitor>

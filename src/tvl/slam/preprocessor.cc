@@ -2,7 +2,6 @@
 
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/depth_association.h"
-#include "tvl/geometry/elevation.h"
 #include "tvl/lidar/deskew.h"
 #include "tvl/vision/pixel_prediction.h"
 
@@ -62,13 +61,10 @@ VisualDepths Preprocessor::FindDepths(const PreprocessedFrame& frame,
     return VisualDepths(frame.tracks.tracks.size());
   }
   const auto& lidar = setup_.lidar;
-  std::vector<Eigen::Vector3f> points =
+  const std::vector<Eigen::Vector3f> points =
       deskew_ == Deskew::kNone ? frame.scan.points
                                : DeskewPoints(frame.scan.points, frame.scan.time_offset_s,
                                               predicted.T_prev_cur, predicted.period_s);
-  if (!options_.correct_depth_points && lidar.vertical_correction_rad != 0.0) {
-    points = RaiseElevation(points, -lidar.vertical_correction_rad);
-  }
   return AssociateDepth(frame.tracks, points, frame.scan, setup_.calibration.camera,
                         setup_.calibration.T_cam_lidar, lidar, options_.depth);
 }

@@ -17,9 +17,10 @@ struct PreprocessingOptions {
   SegmentationOptions segmentation;
   LaserFeatureOptions features;
   DepthOptions depth;
-  // The vertical correction of the lidar's profile moves points by 2.6 px: whether the depth
-  // association gets corrected points (measured on real images, see docs/decisions.md).
-  bool correct_depth_points = true;
+  // The extrinsics were estimated from points without the profile's vertical correction, and have
+  // absorbed it where the camera looks: true of KITTI's own (measured on drive 2011_09_26_0052),
+  // not of KITTI-360's nor of a simulator's. See docs/decisions.md.
+  bool calibrated_on_stored_points = false;
 };
 
 struct MappingOptions {

@@ -4,6 +4,7 @@
 
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
+#include "tvl/depth/corrected_extrinsics.h"
 #include "tvl/geometry/voxel_hash.h"
 #include "tvl/lidar/deskew.h"
 
@@ -26,6 +27,15 @@ SlamOptions Checked(SlamOptions options) {
 // have been.
 Timestamp Advanced(Timestamp clock, Timestamp stamp, double period_s) {
   return clock < stamp ? stamp : Timestamp{clock.ns + Timestamp::FromSeconds(period_s).ns};
+}
+
+// The extrinsics that fit corrected points.
+SensorSetup WithUsableExtrinsics(SensorSetup setup, const PreprocessingOptions& options) {
+  if (options.calibrated_on_stored_points) {
+    setup.calibration.T_cam_lidar = ExtrinsicsOfCorrectedPoints(
+        setup.calibration.T_cam_lidar, setup.lidar.vertical_correction_rad);
+  }
+  return setup;
 }
 
 FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
@@ -64,13 +74,13 @@ const char* ToString(FrameStatus status) {
 }
 
 SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOptions& options)
-    : setup_(setup),
+    : setup_(WithUsableExtrinsics(setup, options.preprocessing)),
       deskew_(deskew),
       options_(Checked(options)),
-      preprocessor_(setup, deskew, options_.preprocessing, options_.use_camera),
-      odometry_(setup.calibration, options_.odometry),
+      preprocessor_(setup_, deskew, options_.preprocessing, options_.use_camera),
+      odometry_(setup_.calibration, options_.odometry),
       local_map_(options_.mapping.local_map),
-      landmarks_(setup.calibration, options_.mapping.landmarks) {
+      landmarks_(setup_.calibration, options_.mapping.landmarks) {
   setup_.lidar.Check();
   motion_.period_s = setup.lidar.sweep_s;
 }

@@ -52,6 +52,8 @@ class SlamSystem {
   // Frames in order of time. Never throws for what is wrong with a frame's data.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor);
 
+  // As given, with the extrinsics that fit the points as the system uses them.
+  const SensorSetup& setup() const { return setup_; }
   const Trajectory& trajectory() const { return trajectory_; }
   const Map& map() const { return map_; }
   // The preprocessed data of the last frame, for pictures.
