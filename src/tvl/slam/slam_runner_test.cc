@@ -23,7 +23,6 @@ DriveOptions Frames(size_t frames, Deskew spin = Deskew::kNone) {
 RunOptions LidarOnly() {
   RunOptions options;
   options.slam.use_camera = false;
-  options.decision.max_frames = 16;
   return options;
 }
 
@@ -90,15 +89,29 @@ TEST_P(DeskewDecisionOn, TheDataDecide) {
   // A wrong default: it must not matter.
   drive.setup().default_deskew = GetParam() == Deskew::kNone ? Deskew::kClockwise : Deskew::kNone;
   RunOptions options = LidarOnly();
-  options.decision.max_frames = 25;
-  // Two seconds between smooth walls tell less than a real street.
-  options.decision.min_significance = 1.0;
+  options.decision.min_informative = 8;
   const RunResult result = Play(drive, options);
   EXPECT_EQ(result.deskew.verdict, DeskewVerdict::kDecided) << result.deskew.reason;
   EXPECT_EQ(result.deskew.deskew, GetParam()) << result.deskew.reason;
   EXPECT_GE(result.deskew.informative, options.decision.min_informative);
   EXPECT_EQ(result.frames.size(), 25u) << "frames looked at to decide are run as well";
   EXPECT_EQ(result.frames[0].id, 0);
+  // From the first frame on as if the answer had been known.
+  options.deskew = GetParam();
+  const RunResult given = Play(drive, options);
+  ASSERT_EQ(given.frames.size(), result.frames.size());
+  for (size_t i = 0; i < given.frames.size(); ++i) {
+    EXPECT_EQ(given.frames[i].T_world_lidar.Log(), result.frames[i].T_world_lidar.Log());
+  }
+}
+
+TEST(DeskewDecision, TheObserverCanStopItAndResultsAreKept) {
+  const Drive drive(Frames(10));
+  const RunResult result =
+      Play(drive, LidarOnly(), [](const FrameResult& frame) { return frame.id < 3; });
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.frames.size(), 4u);
+  EXPECT_FALSE(result.map.keyframes.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(CompensatedAndRaw, DeskewDecisionOn,
@@ -106,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(CompensatedAndRaw, DeskewDecisionOn,
                                            Deskew::kCounterClockwise));
 
 TEST(DeskewDecision, AStandingSensorTellsNothing) {
-  DriveOptions options = Frames(10);
+  DriveOptions options = Frames(6);
   options.speed_m_s = 0.0;
   options.sway_m = 0.0;
   Drive drive(options);
