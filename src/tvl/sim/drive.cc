@@ -128,6 +128,20 @@ std::vector<Rigid3d> ReadDriven(const SimOptions& options, const Rigid3d& T_cam0
   return poses;
 }
 
+// Heights of a drive, climbing no steeper than streets do: where KITTI's truth was lost, its height
+// runs away by metres (the first 100 frames of 08).
+std::vector<Vector3d> WithoutCliffs(std::vector<Vector3d> points) {
+  constexpr double kSteepest = 0.12;
+  double z = points.front().z(), measured = z;
+  for (size_t i = 1; i < points.size(); ++i) {
+    const double limit = kSteepest * (points[i] - points[i - 1]).head<2>().norm();
+    z += std::clamp(points[i].z() - measured, -limit, limit);
+    measured = points[i].z();
+    points[i].z() = z;
+  }
+  return points;
+}
+
 // The line driven, leaving out where the car stands, and the way along it at each pose.
 struct DrivenLine {
   Polyline lane;
@@ -154,7 +168,9 @@ Drive PlanAlongFile(const SimOptions& options, const Rigid3d& T_cam0_lidar) {
   std::vector<Rigid3d> poses = SmoothPoses(ReadDriven(options, T_cam0_lidar), kSmoothing_frames);
   std::vector<Vector3d> contact;
   for (const Rigid3d& T : poses) contact.push_back(T * Vector3d(0, 0, -kLidarHeight_m));
-  const std::vector<double> heights = ConsistentHeights(contact, 8.0);
+  contact = WithoutCliffs(std::move(contact));
+  // As wide as a street: lanes side by side lie at one height.
+  const std::vector<double> heights = ConsistentHeights(contact, 16.0);
   for (size_t i = 0; i < contact.size(); ++i) contact[i].z() = heights[i];
   const Terrain terrain = Terrain::Through(contact);
   for (size_t i = 0; i < poses.size(); ++i) {

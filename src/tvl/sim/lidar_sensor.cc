@@ -14,7 +14,6 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr uint64_t kBiasStream = 701, kNoiseStream = 1ULL << 40;
-constexpr int kKittiRows = 64;
 
 // What the car of KITTI hides, read off the real scans: ellipses over azimuth and row. The lower
 // edge of the picture is row 63; blobs whose middle lies below it are the roof's edges.
@@ -78,8 +77,8 @@ void LidarSensorOptions::Check() const {
 
 struct LidarSensor::Firing {
   double azimuth_rad;  // 0 straight ahead, rising to the left
-  double offset_s;     // from the stamp
-  bool is_hidden_from_row[kKittiRows];
+  float cos_azimuth, sin_azimuth;
+  double offset_s;  // from the stamp
   Eigen::Matrix3f R_world_lidar;
   Vector3f origin_world;
   Eigen::Matrix3f R_out;  // from where it was measured to the frame of the scan
@@ -91,6 +90,21 @@ struct LidarSensor::Ring {
   std::vector<float> intensity, time_offset_s;
 };
 
+// What all pulses of one beam share.
+struct LidarSensor::Beam {
+  float sin_stored, cos_stored;  // of the elevation its points are stored with
+  float sin_real, cos_real;      // of the elevation it really has
+  float angle_sigma_rad, range_sigma_m, range_bias_m, gain;
+};
+
+// Pulses on their way.
+struct LidarSensor::Pulses {
+  RayPacket rays;
+  std::array<Vector3f, RayPacket::kWidth> stored_direction;  // lidar frame
+  std::array<Vector3f, RayPacket::kWidth> real_direction;    // world frame
+  std::array<const Firing*, RayPacket::kWidth> firing;
+};
+
 LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& options)
     : model_(model), options_(options) {
   options_.Check();
@@ -100,6 +114,15 @@ LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& opti
   range_bias_m_ = Biases(model_.rows(), scale * options_.beam_range_sigma_m, &rng);
   elevation_bias_rad_ = Biases(model_.rows(), scale * options_.beam_elevation_sigma_rad, &rng);
   gain_ = Biases(model_.rows(), scale * options_.beam_gain_sigma, &rng);
+  for (int row = 0; row < model_.rows(); ++row) {
+    for (size_t i = 0; i < static_cast<size_t>(options_.columns); ++i) {
+      hidden_.push_back(options_.has_errors && IsHiddenByCar(RadToDeg(Azimuth(i)), row));
+    }
+  }
+}
+
+double LidarSensor::Azimuth(size_t column) const {
+  return 2.0 * kPi * (static_cast<double>(column) + 0.5) / options_.columns;
 }
 
 std::vector<LidarSensor::Firing> LidarSensor::Firings(const LidarSweep& sweep) const {
@@ -108,7 +131,9 @@ std::vector<LidarSensor::Firing> LidarSensor::Firings(const LidarSweep& sweep) c
   const Rigid3d T_lidar_world = sweep.T_world_lidar(0.0).Inverse();
   for (size_t i = 0; i < n; ++i) {
     Firing& f = firings[i];
-    f.azimuth_rad = 2.0 * kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+    f.azimuth_rad = Azimuth(i);
+    f.cos_azimuth = static_cast<float>(std::cos(f.azimuth_rad));
+    f.sin_azimuth = static_cast<float>(std::sin(f.azimuth_rad));
     const double turn = f.azimuth_rad > kPi ? f.azimuth_rad - 2.0 * kPi : f.azimuth_rad;
     f.offset_s = (sweep.is_clockwise ? -turn : turn) / (2.0 * kPi) * model_.sweep_s;
     const Rigid3d T_world_lidar = sweep.T_world_lidar(f.offset_s);
@@ -117,10 +142,6 @@ std::vector<LidarSensor::Firing> LidarSensor::Firings(const LidarSweep& sweep) c
     const Rigid3d out = sweep.is_compensated ? T_lidar_world * T_world_lidar : Rigid3d();
     f.R_out = out.R().cast<float>();
     f.t_out = out.t().cast<float>();
-    for (int row = 0; row < kKittiRows; ++row) {
-      f.is_hidden_from_row[row] =
-          options_.has_errors && IsHiddenByCar(RadToDeg(f.azimuth_rad), row);
-    }
   }
   return firings;
 }
@@ -147,62 +168,74 @@ float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, float 
   return std::clamp(std::floor(intensity / step) * step, 0.0F, 0.99F);
 }
 
-LidarSensor::Ring LidarSensor::CastRing(const SceneView& view, const std::vector<Firing>& firings,
-                                        int row, const LidarSweep& sweep) const {
+LidarSensor::Beam LidarSensor::BeamOf(int row) const {
   const auto i = static_cast<size_t>(row);
-  Rng rng(Rng::Mix(options_.seed) ^ sweep.frame, kNoiseStream + i);
-  const bool noisy = options_.has_errors;
-  const auto angle_sigma = static_cast<float>(noisy ? options_.angle_sigma_rad : 0.0);
-  const auto range_sigma = static_cast<float>(noisy ? options_.range_sigma_m : 0.0);
   const double stored = model_.beam_elevation_rad[i];
   const double real = stored + model_.vertical_correction_rad + elevation_bias_rad_[i];
-  const auto sin_stored = static_cast<float>(std::sin(stored)),
-             cos_stored = static_cast<float>(std::cos(stored));
-  const auto sin_real = static_cast<float>(std::sin(real)),
-             cos_real = static_cast<float>(std::cos(real));
-  const auto bias = static_cast<float>(range_bias_m_[i]);
-  const auto gain = static_cast<float>(1.0 + gain_[i]);
-  const auto max_range = static_cast<float>(options_.max_range_m);
-  const auto min_range = static_cast<float>(options_.min_range_m);
+  const double noise = options_.has_errors ? 1.0 : 0.0;
+  const auto f = [](double v) { return static_cast<float>(v); };
+  return {f(std::sin(stored)),
+          f(std::cos(stored)),
+          f(std::sin(real)),
+          f(std::cos(real)),
+          f(noise * options_.angle_sigma_rad),
+          f(noise * options_.range_sigma_m),
+          f(range_bias_m_[i]),
+          f(1.0 + gain_[i])};
+}
 
+void LidarSensor::Emit(const Beam& beam, const Firing& f, Rng* rng, Pulses* pulses) const {
+  const float ca = f.cos_azimuth, sa = f.sin_azimuth;
+  // A pulse leaves a little off: to the left by da, upwards by de.
+  const float da = beam.angle_sigma_rad * QuickNormal(rng);
+  const float de = beam.angle_sigma_rad * QuickNormal(rng);
+  const float level = beam.cos_real - de * beam.sin_real;
+  const Vector3f direction(level * ca - da * sa, level * sa + da * ca,
+                           beam.sin_real + de * beam.cos_real);
+  const int lane = pulses->rays.count;
+  const auto l = static_cast<size_t>(lane);
+  pulses->stored_direction[l] = {beam.cos_stored * ca, beam.cos_stored * sa, beam.sin_stored};
+  pulses->real_direction[l] = (f.R_world_lidar * direction).normalized();
+  pulses->firing[l] = &f;
+  pulses->rays.Set(lane, f.origin_world, pulses->real_direction[l],
+                   static_cast<float>(options_.max_range_m),
+                   static_cast<float>(f.offset_s / model_.sweep_s + 0.5));
+}
+
+void LidarSensor::Receive(const Beam& beam, const Pulses& pulses, const HitPacket& hits,
+                          bool is_compensated, Rng* rng, Ring* ring) const {
+  for (size_t l = 0; l < static_cast<size_t>(pulses.rays.count); ++l) {
+    const uint64_t draw = rng->Next();
+    const float range = hits[l].range_m + beam.range_bias_m + beam.range_sigma_m * QuickNormal(rng);
+    if (!hits[l].hit || range < static_cast<float>(options_.min_range_m) ||
+        range > static_cast<float>(options_.max_range_m)) {
+      continue;
+    }
+    const float intensity = Return(hits[l], pulses.real_direction[l], beam.gain, draw);
+    if (intensity < 0.0F) continue;
+    const Firing& f = *pulses.firing[l];
+    ring->points.emplace_back(f.R_out * (range * pulses.stored_direction[l]) + f.t_out);
+    ring->intensity.push_back(intensity);
+    ring->time_offset_s.push_back(is_compensated ? 0.0F : static_cast<float>(f.offset_s));
+  }
+}
+
+LidarSensor::Ring LidarSensor::CastRing(const SceneView& view, const std::vector<Firing>& firings,
+                                        int row, const LidarSweep& sweep) const {
+  Rng rng(Rng::Mix(options_.seed) ^ sweep.frame, kNoiseStream + static_cast<uint64_t>(row));
+  const Beam beam = BeamOf(row);
   Ring ring;
   ring.points.reserve(firings.size());
   ring.intensity.reserve(firings.size());
   ring.time_offset_s.reserve(firings.size());
-  std::array<Vector3f, RayPacket::kWidth> stored_direction, real_direction;
-  std::array<const Firing*, RayPacket::kWidth> source{};
   for (size_t next = 0; next < firings.size();) {
-    RayPacket rays;
-    for (int lane = 0; lane < RayPacket::kWidth && next < firings.size(); ++next) {
-      const Firing& f = firings[next];
-      if (row < kKittiRows && f.is_hidden_from_row[row]) continue;
-      const auto l = static_cast<size_t>(lane);
-      const auto ca = static_cast<float>(std::cos(f.azimuth_rad)),
-                 sa = static_cast<float>(std::sin(f.azimuth_rad));
-      stored_direction[l] = {cos_stored * ca, cos_stored * sa, sin_stored};
-      // The pulse leaves a little off: to the left by da, upwards by de.
-      const float da = angle_sigma * QuickNormal(&rng), de = angle_sigma * QuickNormal(&rng);
-      const Vector3f beam(cos_real * ca - de * sin_real * ca - da * sa,
-                          cos_real * sa - de * sin_real * sa + da * ca, sin_real + de * cos_real);
-      real_direction[l] = (f.R_world_lidar * beam).normalized();
-      const auto share = static_cast<float>(f.offset_s / model_.sweep_s + 0.5);
-      rays.Set(lane, f.origin_world, real_direction[l], max_range, share);
-      source[l] = &f;
-      ++lane;
+    Pulses pulses;
+    for (; next < firings.size() && pulses.rays.count < RayPacket::kWidth; ++next) {
+      if (hidden_[static_cast<size_t>(row) * firings.size() + next]) continue;
+      Emit(beam, firings[next], &rng, &pulses);
     }
-    if (rays.count == 0) break;
-    const HitPacket hits = view.Intersect(rays);
-    for (size_t l = 0; l < static_cast<size_t>(rays.count); ++l) {
-      const uint64_t draw = rng.Next();
-      const float range = hits[l].range_m + bias + range_sigma * QuickNormal(&rng);
-      if (!hits[l].hit || range < min_range || range > max_range) continue;
-      const float intensity = Return(hits[l], real_direction[l], gain, draw);
-      if (intensity < 0.0F) continue;
-      const Firing& f = *source[l];
-      ring.points.emplace_back(f.R_out * (range * stored_direction[l]) + f.t_out);
-      ring.intensity.push_back(intensity);
-      ring.time_offset_s.push_back(sweep.is_compensated ? 0.0F : static_cast<float>(f.offset_s));
-    }
+    if (pulses.rays.count == 0) break;
+    Receive(beam, pulses, view.Intersect(pulses.rays), sweep.is_compensated, &rng, &ring);
   }
   return ring;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tvl/base/parallel.h"
+#include "tvl/base/rng.h"
 #include "tvl/geometry/rigid3.h"
 #include "tvl/sensor/lidar_model.h"
 #include "tvl/sensor/lidar_scan.h"
@@ -54,11 +55,20 @@ class LidarSensor {
   LidarScan Scan(const SceneView& view, const LidarSweep& sweep, const Executor& executor) const;
 
  private:
-  struct Firing;  // of all beams at one azimuth
-  struct Ring;    // what comes back from one beam
+  struct Firing;                        // of all beams at one azimuth
+  struct Beam;                          // one laser
+  struct Pulses;                        // a packet of a beam's pulses on their way
+  struct Ring;                          // what comes back from one beam
+  double Azimuth(size_t column) const;  // rad, 0..2 pi
   std::vector<Firing> Firings(const LidarSweep& sweep) const;
   Ring CastRing(const SceneView& view, const std::vector<Firing>& firings, int row,
                 const LidarSweep& sweep) const;
+  Beam BeamOf(int row) const;
+  // Adds a pulse.
+  void Emit(const Beam& beam, const Firing& firing, Rng* rng, Pulses* pulses) const;
+  // Adds the points of the pulses that come back.
+  void Receive(const Beam& beam, const Pulses& pulses, const HitPacket& hits, bool is_compensated,
+               Rng* rng, Ring* ring) const;
   // Whether a pulse comes back, and how bright: below 0 it does not.
   float Return(const SceneHit& hit, const Eigen::Vector3f& direction, float gain,
                uint64_t draw) const;
@@ -66,6 +76,7 @@ class LidarSensor {
   LidarModel model_;
   LidarSensorOptions options_;
   std::vector<double> range_bias_m_, elevation_bias_rad_, gain_;  // by row
+  std::vector<bool> hidden_;  // by row and column: the own car is in the way
 };
 
 // True where the own car hides the view: azimuth in degrees, 0..360 to the left from straight

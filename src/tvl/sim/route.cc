@@ -42,13 +42,14 @@ Polyline Bent(const Polyline& line, const Bend& bend) {
   return Polyline(std::move(points)).Resampled(kSampling_m);
 }
 
-// A self-avoiding walk over a street grid with blocks of uneven size.
-std::vector<Vector2d> WalkTown(double length_m, Rng* rng) {
+// A self-avoiding walk over a street grid with blocks of uneven size, `scale` times those of a
+// town.
+std::vector<Vector2d> WalkTown(double length_m, double scale, Rng* rng) {
   constexpr int kLines = 400;
   std::vector<double> x = {0.0}, y = {0.0};
   for (int i = 0; i < 2 * kLines; ++i) {
-    x.push_back(x.back() + rng->Uniform(75.0, 150.0));
-    y.push_back(y.back() + rng->Uniform(75.0, 150.0));
+    x.push_back(x.back() + scale * rng->Uniform(75.0, 150.0));
+    y.push_back(y.back() + scale * rng->Uniform(75.0, 150.0));
   }
   Vector2i node(kLines, kLines), step(1, 0);
   std::set<std::pair<int, int>> visited = {{node.x(), node.y()}};
@@ -127,7 +128,7 @@ std::vector<Vector2d> Corners(const std::string& preset, double travel_m, double
   if (preset == "reverse") return OutAndBack(closing_m, travel_m, rng);
   if (preset == "aliasing") return Serpentine(travel_m);
   if (preset == "tunnel") return {{0, 0}, {travel_m, 0}};
-  return WalkTown(travel_m, rng);
+  return WalkTown(travel_m, preset == "open" ? 4.0 : 1.0, rng);
 }
 
 // Side streets of 45-70 m to either side, every 70-130 m.
@@ -164,7 +165,8 @@ Route PlanRoute(const std::string& preset, uint64_t seed, double travel_m, doubl
   Rng rng(seed, kRouteStream);
   const bool is_straight = preset == "aliasing" || preset == "tunnel";
   const std::vector<Vector2d> corners = Corners(preset, travel_m, closing_m, &rng);
-  const double radius_m = is_straight ? 9.0 : rng.Uniform(9.0, 12.0);
+  double radius_m = is_straight ? 9.0 : rng.Uniform(9.0, 12.0);
+  if (preset == "open") radius_m = 120.0;  // a country road
   const Polyline grid = RoundCorners(corners, radius_m, kSampling_m);
   const Polyline axis = is_straight ? grid : Bent(grid, Bend(&rng));
   Route route;
@@ -175,8 +177,9 @@ Route PlanRoute(const std::string& preset, uint64_t seed, double travel_m, doubl
     route.stops_m = {150.0 + rng.Uniform(0.0, 40.0)};
     return route;
   }
+  if (preset == "open") return route;
   route.stops_m = ChooseStops(route.lane, &rng);
-  if (preset != "aliasing" && preset != "open") AddSideStreets(seed, &route);
+  if (preset != "aliasing") AddSideStreets(seed, &route);
   return route;
 }
 
