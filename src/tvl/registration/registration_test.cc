@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include "tvl/base/check.h"
 #include "tvl/base/rng.h"
 #include "tvl/geometry/rigid3_matchers.h"
+#include "tvl/registration/covariance.h"
 #include "tvl/registration/laser_terms.h"
 #include "tvl/registration/visual_terms.h"
 #include "tvl/registration/weakness.h"
@@ -142,6 +144,116 @@ TEST(VisualTerms, UncertainPointsSayLess) {
   const Eigen::Matrix2d vague = RayInformation(1e-3, J, Eigen::Matrix3d::Identity());
   EXPECT_NEAR(sharp(0, 0), 1e6, 1.0);
   EXPECT_LT(vague(0, 0), 0.1 * sharp(0, 0));
+}
+
+TEST(Sweep, JacobiansOfTheBinsAgreeWithDifferences) {
+  Vector6d xi;
+  xi << 0.1, -0.2, 0.5, 1.0, -0.4, 0.2;
+  const Rigid3d T = Rigid3d::Exp(xi);
+  const SweepBins bins{4};
+  const SweepMotion motion(bins, T);
+  for (int bin = 0; bin < 4; ++bin) {
+    const Rigid3d T_bin = Scale(bins.Share(bin), T);
+    EXPECT_LT((motion.bins[static_cast<size_t>(bin)].t - T_bin.t()).norm(), 1e-12);
+    for (int i = 0; i < 6; ++i) {
+      const Vector6d d = 1e-6 * Vector6d::Unit(i);
+      const Rigid3d moved = Scale(bins.Share(bin), T * Rigid3d::Exp(d));
+      const Vector6d expected = (T_bin.Inverse() * moved).Log() * 1e6;
+      EXPECT_LT((motion.bins[static_cast<size_t>(bin)].J.col(i) - expected).norm(), 1e-5);
+    }
+  }
+}
+
+TEST(LaserTerms, SumsAreTheSameToTheBitForAnyThreadCount) {
+  Rng rng(7);
+  const LaserMatches matches = Observe(Room(rng), Rigid3d(), SweepBins::Raw(), rng);
+  const Rigid3d T = Rigid3d::Translation(0.1, 0.2, 0.3);
+  const auto sum = [&](int threads) {
+    return Linearize(matches, T, SweepBins::Raw(), 2.0, Executor(threads)).normal;
+  };
+  EXPECT_EQ(sum(1).H, sum(2).H);
+  EXPECT_EQ(sum(1).b, sum(2).b);
+}
+
+TEST(LaserTerms, OutliersDoNotPull) {
+  Rng rng(8);
+  LaserMatches matches = Observe(Room(rng), Rigid3d(), SweepBins::Compensated(), rng);
+  for (size_t i = 0; i < matches.planes.size(); i += 5) {
+    matches.planes[i].factor.q_ref += 2.0 * matches.planes[i].factor.n_ref;
+  }
+  const auto solve = [&](double kernel_sigmas) {
+    return SolvePose(
+        Rigid3d(),
+        [&](const Rigid3d& T) {
+          return Linearize(matches, T, SweepBins::Compensated(), kernel_sigmas, Executor(1)).normal;
+        },
+        PoseSolverOptions());
+  };
+  EXPECT_LT(solve(2.0).T.t().norm(), 0.01);
+  EXPECT_GT(solve(1e6).T.t().norm(), 0.3);
+}
+
+TEST(Weakness, SaysHowMuchTheCameraHolds) {
+  Rng rng(9);
+  const LaserMatches matches = Observe(Tube(rng, 0.0), Rigid3d(), SweepBins::Compensated(), rng);
+  const LaserSum sum = Linearize(matches, Rigid3d(), SweepBins::Compensated(), 3.0, Executor(1));
+  NormalEquations visual;
+  visual.H = 1e-3 * sum.normal.H.norm() * Matrix6d::Identity();
+  const WeaknessOptions options;
+  const auto blind = AnalyseWeakness(sum, NormalEquations(), options).directions;
+  const auto seeing = AnalyseWeakness(sum, visual, options).directions;
+  ASSERT_EQ(blind.size(), 1u);
+  ASSERT_EQ(seeing.size(), 1u);
+  EXPECT_LT(blind[0].camera_strength, 1e-9);
+  EXPECT_GT(seeing[0].camera_strength, 1e-4);
+  EXPECT_LT(seeing[0].lidar_strength, options.held_translation);
+}
+
+TEST(HonestCovariance, InflatesAndNeverFallsBelowTheFloor) {
+  const CovarianceOptions options;
+  const Matrix6d loose = HonestCovariance(1e4 * Matrix6d::Identity(), 0.0, options);
+  EXPECT_NEAR(loose(3, 3), options.inflation * 1e-4, 0.02 * options.inflation * 1e-4);
+  const double length_m = 10.0;
+  const Matrix6d tight = HonestCovariance(1e14 * Matrix6d::Identity(), length_m, options);
+  EXPECT_NEAR(std::sqrt(tight(4, 4)), options.floor_translation * length_m, 1e-4);
+  EXPECT_NEAR(std::sqrt(tight(1, 1)), options.floor_rotation_rad_per_m * length_m, 1e-5);
+  EXPECT_GE(HonestCovariance(1e14 * Matrix6d::Identity(), 0.0, options)(5, 5),
+            std::pow(options.floor_translation_m, 2));
+}
+
+TEST(HonestCovariance, DirectionsNothingHoldsAreUnknown) {
+  Matrix6d H = 1e8 * Matrix6d::Identity();
+  H(3, 3) = 0.0;
+  const Matrix6d covariance = HonestCovariance(H, 1.0, CovarianceOptions());
+  EXPECT_GT(std::sqrt(covariance(3, 3)), 5.0);
+  EXPECT_LT(std::sqrt(covariance(4, 4)), 0.01);
+  CovarianceOptions options;
+  options.inflation = 0.5;
+  EXPECT_THROW(options.Check(), InputError);
+}
+
+// One point 10 m ahead, off the axis, seen a little displaced.
+VisualMatches OneDisplaced(double shift, const Rigid3d& T_cam_body) {
+  const Eigen::Vector3d p(10.0, 2.0, 1.0), p_cam = T_cam_body * p;
+  const Eigen::Vector2d ray(p_cam.x() / p_cam.z() + shift, p_cam.y() / p_cam.z());
+  VisualMatches matches;
+  matches.forward.push_back({{p, ray}, 1e6 * Eigen::Matrix2d::Identity(), 0});
+  matches.inverse.push_back({{p, ray}, 1e6 * Eigen::Matrix2d::Identity()});
+  return matches;
+}
+
+TEST(Gate, DropsWhatNeitherNoiseNorMotionExplain) {
+  Eigen::Matrix3d R;
+  R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  const Rigid3d T_cam_body(R, Eigen::Vector3d::Zero());
+  const VisualMatches matches = OneDisplaced(0.005, T_cam_body);  // 5 sigma
+  const Matrix6d certain = 1e-12 * Matrix6d::Identity(), vague = 1e-4 * Matrix6d::Identity();
+  EXPECT_EQ(Gate(matches, Rigid3d(), T_cam_body, certain, 3.0).size(), 0u);
+  EXPECT_EQ(Gate(matches, Rigid3d(), T_cam_body, certain, 6.0).size(), 2u);
+  EXPECT_EQ(Gate(matches, Rigid3d(), T_cam_body, vague, 3.0).size(), 2u);
+  // Behind the camera nothing can agree.
+  EXPECT_EQ(Gate(matches, Rigid3d::Translation(20, 0, 0), T_cam_body, vague, 1e3).forward.size(),
+            0u);
 }
 
 }  // namespace
