@@ -156,6 +156,19 @@ TEST(RefinePose, AgreesWithEquations9To11) {
   EXPECT_THAT(T, Rigid3dNear(T_literal, 0.001, 0.015));
 }
 
+TEST(RefinePose, APriorThatIsSureOfItselfCounts) {
+  const World street = synthetic::Street();
+  const LocalMap map = MapOf(DriveThrough(street, Rigid3d()));
+  const auto cloud = CloudAt(street, kTruth, 5);
+  const Rigid3d T_prior = kTruth * Rigid3d::Translation(0.05, 0.05, 0.0);
+  const auto distance_m = [&](double sigma_m) {
+    const ScanToMapResult result = Refine(*cloud, map, Prior(T_prior, 0.1 * sigma_m, sigma_m));
+    return (result.estimate.T_ref_body.t() - T_prior.t()).norm();
+  };
+  EXPECT_LT(distance_m(1e-5), 0.01);
+  EXPECT_GT(distance_m(1.0), 0.06);
+}
+
 TEST(RefinePose, IsTheSameToTheBitForAnyThreadCount) {
   const World street = synthetic::Street();
   const LocalMap map = MapOf(DriveThrough(street, Rigid3d()));
@@ -238,6 +251,7 @@ TEST(RefinePoseInATunnel, WithoutTheCameraThePriorHoldsTheAxis) {
   // ... and it knows that it does not know.
   const Matrix6d covariance = result.estimate.covariance;
   EXPECT_GT(covariance(3, 3), 100.0 * covariance(4, 4));
+  EXPECT_GT(std::sqrt(covariance(3, 3)), 1.0);  // noisy normals do not count as knowledge
 }
 
 TEST(ThinForMapStep, KeepsTheFirstPointOfEachVoxel) {

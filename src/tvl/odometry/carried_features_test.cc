@@ -131,6 +131,15 @@ TEST(FitPlaneAround, FindsTheWallOverSeveralRings) {
 
 TEST(FitPlaneAround, ASingleRingIsNoPlane) {
   EXPECT_FALSE(FitPlaneAround(Wall(1, 0.01).Build(), 20).valid);
+  // Round a corner the points of a ring do lie on a plane: that of the beam.
+  CloudData corner;
+  for (int i = 0; i <= 10; ++i) {
+    const float along = 0.1f * static_cast<float>(i);
+    corner.Add({6.0f, 0.5f - along, -0.3f}, 4);
+    corner.Add({6.0f + along, -0.5f, -0.3f}, 4);
+  }
+  const RingCloud cloud = corner.Build();
+  for (uint32_t i = 0; i < cloud.size(); ++i) EXPECT_FALSE(FitPlaneAround(cloud, i).valid);
 }
 
 TEST(FitPlaneAround, ScatterIsNoPlane) {
