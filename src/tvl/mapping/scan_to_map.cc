@@ -200,7 +200,9 @@ class Refiner {
     solver.max_iterations = 2;
     const PoseSolution alone = SolvePose(
         T, [&](const Rigid3d& at) { return WithoutCamera(problem, at); }, solver);
-    const Matrix6d covariance = HonestCovariance(alone.at_T.H, prior_.step_m, options_.covariance);
+    CovarianceOptions wide = options_.covariance;
+    wide.inflation = options_.gate_inflation;
+    const Matrix6d covariance = HonestCovariance(alone.at_T.H, prior_.step_m, wide);
     return Gate(problem.visual, alone.T, T_cam_lidar_, covariance, options_.visual_gate_sigmas);
   }
 
@@ -222,6 +224,7 @@ void ScanToMapOptions::Check() const {
       << "mapping.first_gate_m, last_gate_m: want first >= last > 0";
   TVL_CHECK_INPUT(prior_share >= 0.0 && prior_share <= 1.0)
       << "mapping.prior_share: must be in 0..1";
+  TVL_CHECK_INPUT(gate_inflation >= 1.0) << "mapping.gate_inflation: must be at least 1";
   weakness.Check();
   covariance.Check();
 }

@@ -257,6 +257,7 @@ void VisitFields(Visitor& visit, ScanToMapOptions& options) {
   TVL_FIELD(use_camera);
   TVL_FIELD(weakness);
   TVL_FIELD(covariance);
+  TVL_FIELD(gate_inflation);
 }
 
 template <typename Visitor>
