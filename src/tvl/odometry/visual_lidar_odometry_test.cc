@@ -118,7 +118,7 @@ TEST_P(OdometryAtStart, FindsTheSpeedFromNothing) {
   EXPECT_THAT(estimate.T_ref_body, Rigid3dNear(motion, 0.003, 0.04));
 }
 
-INSTANTIATE_TEST_SUITE_P(Speeds, OdometryAtStart, ::testing::Values(0.0, 0.3, 1.0, 1.9, 2.5));
+INSTANTIATE_TEST_SUITE_P(Speeds, OdometryAtStart, ::testing::Values(0.0, 0.3, 1.0, 1.9, 2.5, 2.9));
 
 TEST(Odometry, TheCameraAloneBridgesAMissingScan) {
   Scene scene(kMotion, Deskew::kNone);

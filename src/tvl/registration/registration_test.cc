@@ -111,6 +111,19 @@ TEST(Weakness, TubeIsWeakAlongItsAxisInSpiteOfNoisyNormals) {
   EXPECT_NEAR(masked.H(4, 4), sum.normal.H(4, 4), 0.05 * sum.normal.H(4, 4));
 }
 
+TEST(Weakness, WhatNoisyNormalsLeakIsSubtracted) {
+  Rng rng(5);
+  const LaserMatches matches = Observe(Tube(rng, 0.12), Rigid3d(), SweepBins::Compensated(), rng);
+  const LaserSum sum = Linearize(matches, Rigid3d(), SweepBins::Compensated(), 3.0, Executor(1));
+  WeaknessOptions options;
+  options.normal_sigma_rad = 0.0;
+  const Weakness trusting = AnalyseWeakness(sum, NormalEquations(), options);
+  EXPECT_GT(trusting.translation_ratio, options.held_translation) << "the axis looks held";
+  options.normal_sigma_rad = 0.12;
+  const Weakness knowing = AnalyseWeakness(sum, NormalEquations(), options);
+  EXPECT_LT(knowing.translation_ratio, options.weak_translation);
+}
+
 TEST(VisualTerms, FindTheMotionWithAndWithoutDepth) {
   Rng rng(6);
   Eigen::Matrix3d R;
