@@ -8,34 +8,40 @@
 #include "tvl/factors/pose_prior.h"
 #include "tvl/geometry/voxel_hash.h"
 #include "tvl/optim/pose_solver.h"
+#include "tvl/registration/beam_directions.h"
 
 namespace tvl {
 namespace {
 
 constexpr size_t kChunk = 256;
 
-// First point of each voxel.
-std::vector<Eigen::Vector3f> Thin(const std::vector<Eigen::Vector3f>& points, double voxel_m) {
+// Indices of the first point of each voxel.
+std::vector<uint32_t> Thin(const std::vector<Eigen::Vector3f>& points, double voxel_m) {
   VoxelHash<char> seen;
   seen.Reserve(points.size());
-  std::vector<Eigen::Vector3f> kept;
-  for (const Eigen::Vector3f& p : points) {
-    char& taken = seen[VoxelKey::Of(p.cast<double>(), voxel_m)];
+  std::vector<uint32_t> kept;
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    char& taken = seen[VoxelKey::Of(points[i].cast<double>(), voxel_m)];
     if (taken != 0) continue;
     taken = 1;
-    kept.push_back(p);
+    kept.push_back(i);
   }
   return kept;
 }
 
-// Variance of a residual: scatter of the surface, the point's own noise, and the error of the
-// surfel's normal at the lever arm to its mean.
+// Variance of a residual: scatter of the surface, the error of the surfel's normal at the lever arm
+// to its mean, and the point's own errors: along its beam, and across it in elevation, which far
+// out on the road is the greater by much.
 double PlaneInformation(const Surfel& surfel, const Eigen::Vector3d& p_world,
-                        double sensor_sigma_m) {
+                        const Eigen::Vector3d& p_body, const Eigen::Matrix3d& R,
+                        const ScanToMapOptions& options) {
   const double lever_sq = (p_world - surfel.mean).squaredNorm();
+  const BeamDirections beam = DirectionsAt(p_body);
+  const Eigen::Vector3d n_body = R.transpose() * surfel.axis;
+  const double across_m = options.beam_sigma_rad * n_body.dot(beam.elevation);
   const double variance =
       surfel.thickness_sq_m2 * (1.0 + lever_sq / (surfel.count * surfel.extent_sq_m2)) +
-      sensor_sigma_m * sensor_sigma_m;
+      options.sensor_sigma_m * options.sensor_sigma_m + across_m * across_m;
   return 1.0 / variance;
 }
 
@@ -52,8 +58,9 @@ std::vector<PlaneMatch> MatchPlanes(const std::vector<Eigen::Vector3f>& points,
       all[i].information = 0.0;
       if (surfel == nullptr) continue;
       if (std::abs(surfel->axis.dot(p_world - surfel->mean)) > gate_m) continue;
+      all[i].source = static_cast<uint32_t>(i);
       all[i].factor = {p_body, surfel->axis, surfel->mean};
-      all[i].information = PlaneInformation(*surfel, p_world, options.sensor_sigma_m);
+      all[i].information = PlaneInformation(*surfel, p_world, p_body, R, options);
     }
   });
   all.erase(std::remove_if(all.begin(), all.end(),
@@ -183,6 +190,7 @@ class Refiner {
     result.translation_ratio = problem.weakness.translation_ratio;
     result.rotation_ratio = problem.weakness.rotation_ratio;
     result.plane_median_m = MedianDistance_m(problem.laser.planes, T, options_.last_gate_m);
+    result.planes = problem.laser.planes;
     return result;
   }
 
@@ -231,7 +239,11 @@ void ScanToMapOptions::Check() const {
 
 MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
                              const std::vector<Eigen::Vector3f>& edges, double voxel_m) {
-  return {Thin(planes, voxel_m), Thin(edges, 0.5 * voxel_m)};
+  MapStepPoints thin;
+  thin.plane_index = Thin(planes, voxel_m);
+  for (const uint32_t i : thin.plane_index) thin.planes.push_back(planes[i]);
+  for (const uint32_t i : Thin(edges, 0.5 * voxel_m)) thin.edges.push_back(edges[i]);
+  return thin;
 }
 
 ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,

@@ -22,6 +22,7 @@ inline CovarianceOptions ForMapStep() {
 struct ScanToMapOptions {
   double source_voxel_m = 0.5;   // thinning of F_lf before matching: even coverage, constant cost
   double sensor_sigma_m = 0.03;  // of a point across a surface; range noise and beam bias
+  double beam_sigma_rad = 0.0014;     // of a beam's elevation (0.08 deg): 6 cm of height at 40 m
   double edge_sigma_m = 0.10;    // of a point across an edge: edges are where beams happen to hit
   double kernel_sigmas = 2.0;    // Cauchy
   double visual_kernel_sigmas = 2.0;  // Huber
@@ -58,11 +59,14 @@ struct ScanToMapResult {
   // it does not depend on the gate at which the refreshes ended, nor on clutter: its logarithm
   // tells answers to the de-skewing question apart.
   double plane_median_m = 0.0;
+  // The plane matches at the end; PlaneMatch::source is an index into MapStepPoints::planes.
+  std::vector<PlaneMatch> planes;
 };
 
 // Points of F_lf and F_ls as the map step uses them, compensated to the stamp.
 struct MapStepPoints {
   std::vector<Eigen::Vector3f> planes, edges;  // p_lidar, m
+  std::vector<uint32_t> plane_index;           // of each of `planes` in what they were thinned from
 };
 
 // `planes` and `edges` are compensated points in the lidar frame, thinned by the caller or not.

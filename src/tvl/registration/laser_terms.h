@@ -13,8 +13,9 @@ namespace tvl {
 
 struct PlaneMatch {
   PointToPlane factor;
-  double information;  // 1 / sigma^2, 1/m^2
-  int bin = 0;         // of the sweep
+  double information;   // 1 / sigma^2, 1/m^2
+  int bin = 0;          // of the sweep
+  uint32_t source = 0;  // index the caller knows the point by
 };
 
 struct LineMatch {

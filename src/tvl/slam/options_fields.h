@@ -243,6 +243,7 @@ template <typename Visitor>
 void VisitFields(Visitor& visit, ScanToMapOptions& options) {
   TVL_FIELD(source_voxel_m);
   TVL_FIELD(sensor_sigma_m);
+  TVL_FIELD(beam_sigma_rad);
   TVL_FIELD(edge_sigma_m);
   TVL_FIELD(kernel_sigmas);
   TVL_FIELD(visual_kernel_sigmas);
@@ -261,7 +262,18 @@ void VisitFields(Visitor& visit, ScanToMapOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, BeamCalibrationOptions& options) {
+  TVL_FIELD(enabled);
+  TVL_FIELD(prior_elevation_rad);
+  TVL_FIELD(prior_range_m);
+  TVL_FIELD(information_share);
+  TVL_FIELD(memory_frames);
+  TVL_FIELD(update_every);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, MappingOptions& options) {
+  TVL_FIELD(beams);
   TVL_FIELD(interval);
   TVL_FIELD(keyframes);
   TVL_FIELD(local_map);

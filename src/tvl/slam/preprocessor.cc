@@ -16,11 +16,12 @@ Preprocessor::Preprocessor(const SensorSetup& setup, Deskew deskew,
       tracker_(options.vision) {}
 
 PreprocessedFrame Preprocessor::Process(const SensorFrame& frame, const PredictedMotion& predicted,
-                                        const Executor& executor, StageTimes* times) {
+                                        const BeamOffsets& beams, const Executor& executor,
+                                        StageTimes* times) {
   PreprocessedFrame out;
   out.id = frame.id;
   out.stamp = frame.stamp;
-  executor.Invoke({[&] { ProcessScan(frame, &out, times); },
+  executor.Invoke({[&] { ProcessScan(frame, beams, &out, times); },
                    [&] { ProcessImage(frame, predicted, &out, times); }});
   const Stopwatch watch;
   out.depths = FindDepths(out, predicted);
@@ -44,11 +45,12 @@ void Preprocessor::ProcessImage(const SensorFrame& frame, const PredictedMotion&
   times->vision_ms += watch.ElapsedMs();
 }
 
-void Preprocessor::ProcessScan(const SensorFrame& frame, PreprocessedFrame* out,
-                               StageTimes* times) {
+void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beams,
+                               PreprocessedFrame* out, StageTimes* times) {
   if (frame.scan == nullptr) return;
   Stopwatch watch;
   out->scan = SegmentScan(*frame.scan, setup_.lidar, deskew_, options_.segmentation, &workspace_);
+  ApplyBeamOffsets(beams, out->scan.ring, &out->scan.points);
   times->segmentation_ms += watch.LapMs();
   out->features = ExtractLaserFeatures(out->scan, setup_.lidar, options_.features);
   out->has_scan = !out->features.less_flat.empty();

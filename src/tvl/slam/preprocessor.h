@@ -3,6 +3,7 @@
 
 #include "tvl/base/parallel.h"
 #include "tvl/frame/preprocessed_frame.h"
+#include "tvl/registration/beam_calibration.h"
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/slam_options.h"
 #include "tvl/slam/stage_times.h"
@@ -21,14 +22,16 @@ class Preprocessor {
                bool use_camera);
 
   // Image and scan are worked on side by side where the executor has threads. Times are added to
-  // `times`.
+  // `times`; `beams` corrects the points.
   PreprocessedFrame Process(const SensorFrame& frame, const PredictedMotion& predicted,
-                            const Executor& executor, StageTimes* times);
+                            const BeamOffsets& beams, const Executor& executor,
+                            StageTimes* times);
 
  private:
   void ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,
                     PreprocessedFrame* out, StageTimes* times);
-  void ProcessScan(const SensorFrame& frame, PreprocessedFrame* out, StageTimes* times);
+  void ProcessScan(const SensorFrame& frame, const BeamOffsets& beams, PreprocessedFrame* out,
+                   StageTimes* times);
   VisualDepths FindDepths(const PreprocessedFrame& frame, const PredictedMotion& predicted) const;
 
   SensorSetup setup_;

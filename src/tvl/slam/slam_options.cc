@@ -11,6 +11,7 @@ void SlamOptions::Check() const {
   preprocessing.depth.Check();
   odometry.Check();
   TVL_CHECK_INPUT(mapping.interval >= 1) << "mapping.interval: must be at least 1";
+  mapping.beams.Check();
   mapping.keyframes.Check();
   mapping.local_map.Check();
   mapping.landmarks.Check();

@@ -80,7 +80,8 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       preprocessor_(setup_, deskew, options_.preprocessing, options_.use_camera),
       odometry_(setup_.calibration, options_.odometry),
       local_map_(options_.mapping.local_map),
-      landmarks_(setup_.calibration, options_.mapping.landmarks) {
+      landmarks_(setup_.calibration, options_.mapping.landmarks),
+      beams_(setup.lidar.rows(), options_.mapping.beams) {
   setup_.lidar.Check();
   motion_.period_s = setup.lidar.sweep_s;
 }
@@ -93,7 +94,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   result.faults = frame.faults;
 
   const PredictedMotion predicted = Predict(frame);
-  PreprocessedFrame current = preprocessor_.Process(frame, predicted, executor, &result.times);
+  PreprocessedFrame current = preprocessor_.Process(frame, predicted, beams_.offsets(), executor, &result.times);
 
   Stopwatch watch;
   result.odometry = EstimateMotion(current, predicted, executor);
@@ -169,7 +170,7 @@ KeyframeCloud SlamSystem::Compensate(const PreprocessedFrame& frame,
 
 void SlamSystem::RefineAgainstMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                                   const Rigid3d& T_world_guess, const Executor& executor,
-                                  FrameResult* result) const {
+                                  FrameResult* result) {
   const bool is_first = trajectory_.empty();
   result->T_world_lidar = T_world_guess;
   result->step_covariance = result->odometry.covariance;
@@ -187,10 +188,25 @@ void SlamSystem::RefineAgainstMap(const PreprocessedFrame& frame, const Keyframe
                         result->odometry.T_ref_body.t().norm()};
   result->map_step = RefinePose(points, local_map_, landmarks_, frame.tracks,
                                 setup_.calibration.T_cam_lidar, prior, options, executor);
+  const std::vector<PlaneMatch> matches = std::move(result->map_step.planes);
+  result->map_step.planes.clear();
   if (result->map_step.estimate.status == EstimateStatus::kPredicted) return;
   result->T_world_lidar = result->map_step.estimate.T_ref_body;
   result->step_covariance = result->map_step.estimate.covariance;
   result->status = FrameStatus::kTracked;
+  CalibrateBeams(matches, points, frame.features.less_flat, result->T_world_lidar);
+}
+
+void SlamSystem::CalibrateBeams(const std::vector<PlaneMatch>& matches,
+                                const MapStepPoints& points,
+                                const std::vector<LaserFeature>& features,
+                                const Rigid3d& T_world_lidar) {
+  std::vector<uint16_t> rings;
+  rings.reserve(matches.size());
+  for (const PlaneMatch& match : matches) {
+    rings.push_back(features[points.plane_index[match.source]].ring);
+  }
+  beams_.Add(matches, rings, T_world_lidar, options_.mapping.scan_to_map.kernel_sigmas);
 }
 
 void SlamSystem::UpdateMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,

@@ -12,6 +12,7 @@
 #include "tvl/map/trajectory.h"
 #include "tvl/mapping/landmark_map.h"
 #include "tvl/mapping/local_map.h"
+#include "tvl/registration/beam_calibration.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/preprocessor.h"
@@ -54,6 +55,8 @@ class SlamSystem {
 
   // As given, with the extrinsics that fit the points as the system uses them.
   const SensorSetup& setup() const { return setup_; }
+  // What the beams were found to be off by.
+  const BeamOffsets& beam_offsets() const { return beams_.offsets(); }
   const Trajectory& trajectory() const { return trajectory_; }
   const Map& map() const { return map_; }
   // The preprocessed data of the last frame, for pictures.
@@ -72,7 +75,9 @@ class SlamSystem {
   void CompensateLastAgain(const PredictedMotion& motion, const Executor& executor);
   void RefineAgainstMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                         const Rigid3d& T_world_guess, const Executor& executor,
-                        FrameResult* result) const;
+                        FrameResult* result);
+  void CalibrateBeams(const std::vector<PlaneMatch>& matches, const MapStepPoints& points,
+                      const std::vector<LaserFeature>& features, const Rigid3d& T_world_lidar);
   void UpdateMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                  const Executor& executor, FrameResult* result);
   void AddKeyframe(const FrameResult& result, const KeyframeCloud& cloud, const Executor& executor);
@@ -84,6 +89,7 @@ class SlamSystem {
   VisualLidarOdometry odometry_;
   LocalMap local_map_;
   LandmarkMap landmarks_;
+  BeamCalibration beams_;
   Map map_;
   Trajectory trajectory_;
   PredictedMotion motion_;     // of the last frame, as estimated
