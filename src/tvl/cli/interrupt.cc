@@ -6,7 +6,8 @@ namespace tvl {
 namespace {
 
 // The one global of the program: a signal handler can reach nothing else.
-volatile std::sig_atomic_t g_interrupted = 0;
+volatile std::sig_atomic_t g_interrupted =
+    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
 void Handle(int signal) {
   g_interrupted = 1;

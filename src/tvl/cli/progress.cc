@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
@@ -50,7 +51,8 @@ std::string Progress::Line(size_t done, const std::string& stage) const {
   line << " " << unit_ << std::fixed << std::setprecision(1) << "  " << rate << " " << unit_
        << "/s";
   if (total_ > 0 && rate > 0.0) {
-    const int left_s = static_cast<int>(static_cast<double>(total_ - std::min(done, total_)) / rate + 0.5);
+    const int left_s =
+        static_cast<int>(std::lround(static_cast<double>(total_ - std::min(done, total_)) / rate));
     line << "  ETA " << left_s / 60 << ":" << std::setw(2) << std::setfill('0') << left_s % 60;
   }
   if (!stage.empty()) line << "  " << stage;

@@ -96,9 +96,8 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
   const auto predicted =
       count([](const FrameResult& f) { return f.status == FrameStatus::kPredicted; });
   const auto faulty = count([](const FrameResult& f) { return !f.faults.empty(); });
-  std::cout << result.frames.size() << " frames, " << result.map.keyframes.size()
-            << " keyframes, " << context.wall_s << " s, peak memory " << context.peak_memory_mib
-            << " MiB\n"
+  std::cout << result.frames.size() << " frames, " << result.map.keyframes.size() << " keyframes, "
+            << context.wall_s << " s, peak memory " << context.peak_memory_mib << " MiB\n"
             << "motion compensation: " << ToString(result.deskew.deskew) << " ("
             << ToString(result.deskew.verdict) << ": " << result.deskew.reason << ")\n";
   if (faulty > 0) std::cout << faulty << " frames with faults, see run.json\n";
@@ -136,13 +135,9 @@ void Run(const RunArguments& arguments) {
   fs::create_directories(arguments.out);
   CatchInterrupts();
   const RunResult result = RunWithProgress(*dataset, arguments, options);
-  const RunContext context{Version(),
-                           arguments.input,
-                           dataset->setup(),
-                           DumpOptions(options),
-                           arguments.threads,
-                           1e-3 * watch.ElapsedMs(),
-                           PeakMemory_mib()};
+  const RunContext context{
+      Version(),         arguments.input,          dataset->setup(), DumpOptions(options),
+      arguments.threads, 1e-3 * watch.ElapsedMs(), PeakMemory_mib()};
   WriteResults(arguments.out, result, context);
   PrintSummary(result, context, arguments.out);
 }
@@ -152,8 +147,9 @@ void Run(const RunArguments& arguments) {
 void AddRunCommand(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand("run", "Run SLAM: trajectory, map and report into a folder");
-  run->add_option("input", arguments->input,
-                  "sequence folder (KITTI odometry or raw layout), or sim:PRESET?seed=7&frames=1000")
+  run->add_option(
+         "input", arguments->input,
+         "sequence folder (KITTI odometry or raw layout), or sim:PRESET?seed=7&frames=1000")
       ->required();
   run->add_option("--out", arguments->out,
                   "folder for trajectory_kitti.txt, trajectory_tum.txt, map.pcd, map.ply, map.png, "

@@ -20,11 +20,11 @@ inline CovarianceOptions ForMapStep() {
 }
 
 struct ScanToMapOptions {
-  double source_voxel_m = 0.5;   // thinning of F_lf before matching: even coverage, constant cost
-  double sensor_sigma_m = 0.03;  // of a point across a surface; range noise and beam bias
-  double beam_sigma_rad = 0.0014;     // of a beam's elevation (0.08 deg): 6 cm of height at 40 m
-  double edge_sigma_m = 0.10;    // of a point across an edge: edges are where beams happen to hit
-  double kernel_sigmas = 2.0;    // Cauchy
+  double source_voxel_m = 0.5;     // thinning of F_lf before matching: even coverage, constant cost
+  double sensor_sigma_m = 0.03;    // of a point across a surface; range noise and beam bias
+  double beam_sigma_rad = 0.0014;  // of a beam's elevation (0.08 deg): 6 cm of height at 40 m
+  double edge_sigma_m = 0.10;      // of a point across an edge: edges are where beams happen to hit
+  double kernel_sigmas = 2.0;      // Cauchy
   double visual_kernel_sigmas = 2.0;  // Huber
   double visual_gate_sigmas = 3.0;    // of landmarks against laser and prior
   int max_refreshes = 6;              // of the correspondences
@@ -36,8 +36,8 @@ struct ScanToMapOptions {
   double prior_share = 0.25;
   bool use_camera = true;
   WeaknessOptions weakness;
-  // Of the pose against the map, as reported: errors of single steps on simulated drives have a NEES
-  // of about 1 with this (measured, see docs/decisions.md).
+  // Of the pose against the map, as reported: errors of single steps on simulated drives have a
+  // NEES of about 1 with this (measured, see docs/decisions.md).
   CovarianceOptions covariance = ForMapStep();
   // How much wider the pose may be off when landmarks are judged by it: what one scan's residuals
   // share (beams, normals, a moving lorry) is not in their scatter.

@@ -64,7 +64,8 @@ struct VisualLidarOdometry::Problem {
   PoseSolution Solve(const Rigid3d& T) const {
     PoseSolverOptions solver;
     solver.max_iterations = 3;
-    return SolvePose(T, [&](const Rigid3d& at) { return All(at); }, solver);
+    return SolvePose(
+        T, [&](const Rigid3d& at) { return All(at); }, solver);
   }
   Matrix6d Covariance(const Rigid3d& T) const {
     return HonestCovariance(All(T).H, T.t().norm(), options.covariance);
@@ -149,8 +150,15 @@ double VisualLidarOdometry::Score(const PreprocessedFrame& frame, const Problem&
 VisualLidarOdometry::Problem VisualLidarOdometry::MakeProblem(const Start& start,
                                                               const SweepBins& bins,
                                                               const Executor& executor) const {
-  return {options_, calibration_.T_cam_lidar, bins, executor, start.T_prev_cur,
-          start.is_predicted, {}, {}, {}};
+  return {options_,
+          calibration_.T_cam_lidar,
+          bins,
+          executor,
+          start.T_prev_cur,
+          start.is_predicted,
+          {},
+          {},
+          {}};
 }
 
 void VisualLidarOdometry::Match(const PreprocessedFrame& frame, const Start& start,
@@ -170,9 +178,11 @@ void VisualLidarOdometry::Match(const PreprocessedFrame& frame, const Start& sta
   if (problem->visual.size() > 0) problem->GateVisual(T_prev_cur);
 }
 
-VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(
-    const PreprocessedFrame& frame, const Start& start, const SweepBins& bins, double period_s,
-    const Executor& executor) {
+VisualLidarOdometry::Candidate VisualLidarOdometry::EstimateFrom(const PreprocessedFrame& frame,
+                                                                 const Start& start,
+                                                                 const SweepBins& bins,
+                                                                 double period_s,
+                                                                 const Executor& executor) {
   Problem problem = MakeProblem(start, bins, executor);
   Rigid3d T = start.T_prev_cur;
   Candidate candidate;

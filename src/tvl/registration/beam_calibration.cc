@@ -27,17 +27,15 @@ BeamCalibration::BeamCalibration(int rings, const BeamCalibrationOptions& option
   options_.Check();
 }
 
-void BeamCalibration::Add(const std::vector<PlaneMatch>& matches,
-                          const std::vector<uint16_t>& rings, const Rigid3d& T_world_lidar,
-                          double kernel_sigmas) {
-  TVL_CHECK(matches.size() == rings.size()) << "a ring for each match";
-  if (!options_.enabled || rings_ == 0 || matches.empty()) return;
+BeamCalibration::Sums BeamCalibration::SumUp(const std::vector<PlaneMatch>& matches,
+                                             const std::vector<uint16_t>& rings,
+                                             const Rigid3d& T_world_lidar,
+                                             double kernel_sigmas) const {
   const Eigen::Matrix3d R = T_world_lidar.R();
-  Matrix6d H_pose = 1e-6 * Matrix6d::Identity();
-  Eigen::MatrixXd H_cross = Eigen::MatrixXd::Zero(6, 2 * rings_);
-  Eigen::MatrixXd H_beam = Eigen::MatrixXd::Zero(2, 2 * rings_);  // the 2x2 blocks side by side
-  Vector6d b_pose = Vector6d::Zero();
-  Eigen::VectorXd b_beam = Eigen::VectorXd::Zero(2 * rings_);
+  Sums sums;
+  sums.H_cross = Eigen::MatrixXd::Zero(6, 2 * rings_);
+  sums.A = Eigen::MatrixXd::Zero(2 * rings_, 2 * rings_);
+  sums.b = Eigen::VectorXd::Zero(2 * rings_);
   for (size_t i = 0; i < matches.size(); ++i) {
     const Residual<1> residual = Evaluate(matches[i].factor, R, T_world_lidar.t());
     const double whitened_sq = residual.r.squaredNorm() * matches[i].information;
@@ -47,21 +45,28 @@ void BeamCalibration::Add(const std::vector<PlaneMatch>& matches,
     const BeamDirections along = DirectionsAt(matches[i].factor.p_body);
     const Eigen::Vector2d J(n_body.dot(along.elevation), n_body.dot(along.range));
     const int at = 2 * rings[i];
-    H_pose += weight * residual.J.transpose() * residual.J;
-    b_pose += weight * residual.J.transpose() * residual.r;
-    H_cross.middleCols<2>(at) += weight * residual.J.transpose() * J.transpose();
-    H_beam.middleCols<2>(at) += weight * J * J.transpose();
-    b_beam.segment<2>(at) += weight * J * residual.r[0];
+    sums.H_pose += weight * residual.J.transpose() * residual.J;
+    sums.b_pose += weight * residual.J.transpose() * residual.r;
+    sums.H_cross.middleCols<2>(at) += weight * residual.J.transpose() * J.transpose();
+    sums.A.block<2, 2>(at, at) += weight * J * J.transpose();
+    sums.b.segment<2>(at) += weight * J * residual.r[0];
   }
+  return sums;
+}
+
+void BeamCalibration::Add(const std::vector<PlaneMatch>& matches,
+                          const std::vector<uint16_t>& rings, const Rigid3d& T_world_lidar,
+                          double kernel_sigmas) {
+  TVL_CHECK(matches.size() == rings.size()) << "a ring for each match";
+  if (!options_.enabled || rings_ == 0 || matches.empty()) return;
+  Sums sums = SumUp(matches, rings, T_world_lidar, kernel_sigmas);
   // The frame's pose is marginalised out: what the pose can explain is no evidence of a beam.
-  const Eigen::MatrixXd gain = H_pose.ldlt().solve(H_cross);
-  Eigen::MatrixXd A = -H_cross.transpose() * gain;
-  for (int ring = 0; ring < rings_; ++ring) {
-    A.block<2, 2>(2 * ring, 2 * ring) += H_beam.middleCols<2>(2 * ring);
-  }
+  const Eigen::MatrixXd gain = sums.H_pose.ldlt().solve(sums.H_cross);
+  sums.A -= sums.H_cross.transpose() * gain;
+  sums.b -= gain.transpose() * sums.b_pose;
   const double keep = std::exp(-1.0 / options_.memory_frames);
-  A_ = keep * A_ + A;
-  c_ = keep * c_ + b_beam - gain.transpose() * b_pose - A * current_;
+  A_ = keep * A_ + sums.A;
+  c_ = keep * c_ + sums.b - sums.A * current_;
   if (++frames_ % options_.update_every == 0) Solve();
 }
 

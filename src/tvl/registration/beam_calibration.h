@@ -22,9 +22,11 @@ struct BeamCalibrationOptions {
   double prior_elevation_rad = 0.0014;  // 0.08 deg
   double prior_range_m = 0.03;
   // Residuals of neighbouring points and frames share their errors: they count for this share.
-  double information_share = 0.01;
-  double memory_frames = 1000;  // frames after which an observation counts for 1/e
-  int update_every = 20;        // frames between solutions: the local map has to follow
+  double information_share = 0.05;
+  // Frames after which an observation counts for 1/e: the map they were made against still held the
+  // beams' old errors.
+  double memory_frames = 200;
+  int update_every = 5;  // frames between solutions
   void Check() const;
 };
 
@@ -45,6 +47,15 @@ class BeamCalibration {
   const BeamOffsets& offsets() const { return offsets_; }
 
  private:
+  // Normal equations of one frame: its pose, the offsets, and between them.
+  struct Sums {
+    Matrix6d H_pose = 1e-6 * Matrix6d::Identity();
+    Vector6d b_pose = Vector6d::Zero();
+    Eigen::MatrixXd H_cross, A;
+    Eigen::VectorXd b;
+  };
+  Sums SumUp(const std::vector<PlaneMatch>& matches, const std::vector<uint16_t>& rings,
+             const Rigid3d& T_world_lidar, double kernel_sigmas) const;
   void Solve();
 
   int rings_;

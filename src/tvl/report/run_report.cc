@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <map>
 #include <sstream>
@@ -45,7 +46,8 @@ Percentiles PercentilesOf(const RunResult& result, const Stage& stage) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const auto at = [&](double share) {
-    return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+    return values[static_cast<size_t>(
+        std::llround(share * static_cast<double>(values.size() - 1)))];
   };
   double sum = 0.0;
   for (const double v : values) sum += v;
@@ -56,9 +58,11 @@ json Timing(const RunResult& result) {
   json timing;
   for (const Stage& stage : kStages) {
     const Percentiles p = PercentilesOf(result, stage);
-    timing[stage.name] = {
-        {"mean_ms", p.mean}, {"p50_ms", p.p50}, {"p95_ms", p.p95}, {"p99_ms", p.p99},
-        {"max_ms", p.max}};
+    timing[stage.name] = {{"mean_ms", p.mean},
+                          {"p50_ms", p.p50},
+                          {"p95_ms", p.p95},
+                          {"p99_ms", p.p99},
+                          {"max_ms", p.max}};
   }
   return timing;
 }
@@ -89,10 +93,14 @@ json Weak(const std::vector<WeakDirection>& directions) {
 
 const char* TrackingName(TrackingStatus status) {
   switch (status) {
-    case TrackingStatus::kNoImage: return "no_image";
-    case TrackingStatus::kFirst: return "first";
-    case TrackingStatus::kTracked: return "tracked";
-    case TrackingStatus::kLost: return "lost";
+    case TrackingStatus::kNoImage:
+      return "no_image";
+    case TrackingStatus::kFirst:
+      return "first";
+    case TrackingStatus::kTracked:
+      return "tracked";
+    case TrackingStatus::kLost:
+      return "lost";
   }
   return "unknown";
 }
@@ -122,10 +130,14 @@ json Frame(const FrameResult& frame, double f_px) {
 
 // Every expected failure and how often it happened.
 json Counts(const RunResult& result) {
-  std::map<std::string, int> counts = {{"frames", 0},         {"keyframes", 0},
-                                       {"predicted", 0},      {"tracking_lost", 0},
-                                       {"no_image", 0},       {"odometry_not_converged", 0},
-                                       {"map_not_converged", 0}, {"weak_translation", 0},
+  std::map<std::string, int> counts = {{"frames", 0},
+                                       {"keyframes", 0},
+                                       {"predicted", 0},
+                                       {"tracking_lost", 0},
+                                       {"no_image", 0},
+                                       {"odometry_not_converged", 0},
+                                       {"map_not_converged", 0},
+                                       {"weak_translation", 0},
                                        {"weak_rotation", 0}};
   for (const FrameResult& frame : result.frames) {
     ++counts["frames"];
@@ -134,15 +146,15 @@ json Counts(const RunResult& result) {
     counts["tracking_lost"] += frame.tracking == TrackingStatus::kLost;
     counts["no_image"] += frame.tracking == TrackingStatus::kNoImage;
     counts["odometry_not_converged"] += frame.odometry.status == EstimateStatus::kNotConverged;
-    counts["map_not_converged"] +=
-        frame.map_step.estimate.status == EstimateStatus::kNotConverged;
+    counts["map_not_converged"] += frame.map_step.estimate.status == EstimateStatus::kNotConverged;
     bool translation = false, rotation = false;
     for (const WeakDirection& d : frame.map_step.estimate.weak) {
       (d.is_rotation ? rotation : translation) = true;
     }
     counts["weak_translation"] += translation;
     counts["weak_rotation"] += rotation;
-    for (const FrameFault& fault : frame.faults) ++counts[std::string("fault_") + ToString(fault.kind)];
+    for (const FrameFault& fault : frame.faults)
+      ++counts[std::string("fault_") + ToString(fault.kind)];
   }
   return counts;
 }
@@ -178,7 +190,8 @@ json ToJson(const YAML::Node& node) {
 
 json MakeRunReport(const RunResult& result, const RunContext& context) {
   json frames = json::array();
-  for (const FrameResult& frame : result.frames) frames.push_back(Frame(frame, context.setup.calibration.camera.fx_px));
+  for (const FrameResult& frame : result.frames)
+    frames.push_back(Frame(frame, context.setup.calibration.camera.fx_px));
   json report = {{"program", {{"name", "tvl"}, {"version", context.version}}},
                  {"input", context.input},
                  {"lidar_profile", context.setup.lidar.name},

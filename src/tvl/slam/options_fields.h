@@ -273,8 +273,8 @@ void VisitFields(Visitor& visit, BeamCalibrationOptions& options) {
 
 template <typename Visitor>
 void VisitFields(Visitor& visit, MappingOptions& options) {
-  TVL_FIELD(beams);
   TVL_FIELD(interval);
+  TVL_FIELD(beams);
   TVL_FIELD(keyframes);
   TVL_FIELD(local_map);
   TVL_FIELD(landmarks);

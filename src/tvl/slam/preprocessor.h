@@ -24,8 +24,7 @@ class Preprocessor {
   // Image and scan are worked on side by side where the executor has threads. Times are added to
   // `times`; `beams` corrects the points.
   PreprocessedFrame Process(const SensorFrame& frame, const PredictedMotion& predicted,
-                            const BeamOffsets& beams, const Executor& executor,
-                            StageTimes* times);
+                            const BeamOffsets& beams, const Executor& executor, StageTimes* times);
 
  private:
   void ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,

@@ -7,8 +7,8 @@
 #include "tvl/mapping/keyframe_selector.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/mapping/scan_to_map.h"
-#include "tvl/registration/beam_calibration.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
+#include "tvl/registration/beam_calibration.h"
 #include "tvl/vision/feature_tracker.h"
 
 namespace tvl {
@@ -25,9 +25,9 @@ struct PreprocessingOptions {
 };
 
 struct MappingOptions {
-  BeamCalibrationOptions beams;
   // The map step runs on every interval-th frame; 5 gives the paper's 2 Hz.
   int interval = 1;
+  BeamCalibrationOptions beams;
   KeyframeOptions keyframes;
   LocalMapOptions local_map;
   LandmarkOptions landmarks;

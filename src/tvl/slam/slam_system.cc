@@ -94,7 +94,8 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   result.faults = frame.faults;
 
   const PredictedMotion predicted = Predict(frame);
-  PreprocessedFrame current = preprocessor_.Process(frame, predicted, beams_.offsets(), executor, &result.times);
+  PreprocessedFrame current =
+      preprocessor_.Process(frame, predicted, beams_.offsets(), executor, &result.times);
 
   Stopwatch watch;
   result.odometry = EstimateMotion(current, predicted, executor);
@@ -197,8 +198,7 @@ void SlamSystem::RefineAgainstMap(const PreprocessedFrame& frame, const Keyframe
   CalibrateBeams(matches, points, frame.features.less_flat, result->T_world_lidar);
 }
 
-void SlamSystem::CalibrateBeams(const std::vector<PlaneMatch>& matches,
-                                const MapStepPoints& points,
+void SlamSystem::CalibrateBeams(const std::vector<PlaneMatch>& matches, const MapStepPoints& points,
                                 const std::vector<LaserFeature>& features,
                                 const Rigid3d& T_world_lidar) {
   std::vector<uint16_t> rings;

@@ -12,8 +12,8 @@
 #include "tvl/map/trajectory.h"
 #include "tvl/mapping/landmark_map.h"
 #include "tvl/mapping/local_map.h"
-#include "tvl/registration/beam_calibration.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
+#include "tvl/registration/beam_calibration.h"
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/preprocessor.h"
 #include "tvl/slam/slam_options.h"
@@ -96,7 +96,6 @@ class SlamSystem {
   Timestamp clock_;            // of the last frame; runs on where stamps do not advance
   bool has_velocity_ = false;  // motion_ is an estimate
   double path_m_ = 0.0;
-  int frames_since_map_step_ = 0;
   PreprocessedFrame last_;
   KeyframeCloud last_cloud_;
 };
