@@ -4,7 +4,7 @@
     TVL_TEST_DATA=FOLDER compare_real.py --out DIR [--binary tvl]
 
 For each sequence and variant: raw scans (our de-skewing off), and for raw recordings also the scans
-as we de-skew them to the image instant, which tvl exports and the peers then get. Prints the
+as our motions de-skew them to the image instant: peers get those, we get the raw ones. Prints the
 distance of each end point to the component-wise median of the peers, the RMS difference of
 per-frame motions to each peer, map thickness and milliseconds a frame (one thread).
 """
@@ -18,6 +18,7 @@ import numpy as np
 
 import peers as peer_runner
 from bench import clouds, metrics, ours, registrars
+from bench import poses as se3
 
 RAW = ("kitti360_3000", "kitti_2011_09_26_0052")
 SEQUENCES = RAW + ("kitti_odometry_00_first10",)
@@ -30,13 +31,19 @@ def variants(sequence, spins):
 
 
 def scans_for(args, folder, deskew, work):
-    """(folder of scans for the peers, correction they still need)."""
+    """Folder of scans for the peers: as recorded, or de-skewed with our motions."""
     if deskew == "none":
-        return folder, clouds.KITTI_CORRECTION_DEG
-    exported = work / "scans"
-    ours.execute(args.binary, "run", folder, "--out", work / "export", "--deskew", deskew,
-                 "--no-loops", args.export_option, exported)
-    return exported, 0.0 if args.exported_corrected else clouds.KITTI_CORRECTION_DEG
+        return folder
+    run = ours.run(args.binary, folder, work / "for_deskewing", "--deskew", deskew, "--no-loops")
+    scans = work / "scans"
+    scans.mkdir(parents=True, exist_ok=True)
+    steps = se3.motions(run.T_world_lidar)
+    steps = np.concatenate([steps[:1], steps])  # the first frame moves as the second
+    for file, step in zip(clouds.scan_files(folder), steps):
+        points = clouds.deskew(clouds.read_scan(file), deskew, step)
+        padded = np.column_stack([points, np.zeros(len(points))]).astype(np.float32)
+        padded.tofile(scans / file.name)
+    return scans
 
 
 def has_images(folder):
@@ -71,7 +78,7 @@ def compare(args, sequence, deskew):
     """One table."""
     folder = args.data / "sequences" / sequence
     work = args.out / f"{sequence}_{deskew}"
-    scans, correction_deg = scans_for(args, folder, deskew, work)
+    scans, correction_deg = scans_for(args, folder, deskew, work), clouds.KITTI_CORRECTION_DEG
     files = clouds.scan_files(scans)
     results = peer_runner.run_peers(list(registrars.PEERS), files, correction_deg)
     rows = {registrars.PEERS[k].name: v for k, v in results.items()}
@@ -100,9 +107,6 @@ def main():
     parser.add_argument("--binary", type=pathlib.Path, default=ours.DEFAULT_BINARY)
     parser.add_argument("--sequences", default=",".join(SEQUENCES))
     parser.add_argument("--spins", default="cw", help="de-skewing directions to compare under")
-    parser.add_argument("--export-option", default="--export-scans")
-    parser.add_argument("--exported-corrected", action="store_true",
-                        help="the exported scans already carry the vertical correction")
     args = parser.parse_args()
     if args.data is None:
         parser.error("set TVL_TEST_DATA or --data")

@@ -4,6 +4,8 @@ import pathlib
 
 import numpy as np
 
+from bench import poses as se3
+
 KITTI_CORRECTION_DEG = 0.205  # the stored points lie this much too low
 
 
@@ -42,3 +44,11 @@ def sweep_share(points, spin):
     azimuth = np.arctan2(points[:, 1], points[:, 0])
     share = 0.5 + azimuth / (2 * np.pi)
     return np.clip(1.0 - share if spin == "cw" else share, 0.0, 1.0)
+
+
+def deskew(points, spin, step):
+    """Points moved to the middle of the sweep; step: (4, 4) motion T_prev_cur over one sweep."""
+    share = (sweep_share(points, spin) - 0.5)[:, None]
+    turn = se3.rotation_vector(step[:3, :3])
+    shift = np.cross(turn, points) + step[:3, 3]
+    return points + share * shift + 0.5 * share**2 * np.cross(turn, shift)
