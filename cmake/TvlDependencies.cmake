@@ -4,7 +4,6 @@ find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs video calib3d f
 find_package(TBB REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json 3 REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nanoflann REQUIRED)
 

@@ -6,8 +6,8 @@ namespace tvl {
 namespace {
 
 // The one global of the program: a signal handler can reach nothing else.
-volatile std::sig_atomic_t g_interrupted =
-    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+volatile std::sig_atomic_t g_interrupted = 0;
 
 void Handle(int signal) {
   g_interrupted = 1;

@@ -123,6 +123,7 @@ RunResult RunWithProgress(const Dataset& dataset, const RunArguments& arguments,
 
 void Run(const RunArguments& arguments) {
   const Stopwatch watch;
+  CatchInterrupts();
   cv::setNumThreads(arguments.threads);
   const RunOptions options = MakeOptions(arguments);
   InputOptions input_options;
@@ -133,7 +134,6 @@ void Run(const RunArguments& arguments) {
     std::cerr << "tvl: " << arguments.input << ": no images: running lidar-only\n";
   }
   fs::create_directories(arguments.out);
-  CatchInterrupts();
   const RunResult result = RunWithProgress(*dataset, arguments, options);
   const RunContext context{
       Version(),         arguments.input,          dataset->setup(), DumpOptions(options),

@@ -10,7 +10,6 @@ namespace tvl::sim {
 namespace {
 
 constexpr int kMask = kPatternSize - 1;
-constexpr double kTexelsPerM = kPatternSize / static_cast<double>(kPatternPeriod_m);
 
 float& Texel(cv::Mat& canvas, int x, int y) { return canvas.ptr<float>(y & kMask)[x & kMask]; }
 
