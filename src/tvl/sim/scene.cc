@@ -166,7 +166,7 @@ struct SceneView::Impl {
 
   // Fills in what follows from the hit's object.
   static void Finish(const RowMajor34f& T_world_object, const Eigen::Vector3f& direction,
-                     Eigen::Vector3f normal_object, SceneHit* hit) {
+                     const Eigen::Vector3f& normal_object, SceneHit* hit) {
     const auto R = T_world_object.leftCols<3>();
     hit->normal_object = normal_object.normalized();
     hit->normal = (R * hit->normal_object).normalized();

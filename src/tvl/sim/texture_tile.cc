@@ -109,7 +109,7 @@ float TextureTile::SampleScaled(const TextureFootprint& at, float scale_u, float
   const float major = std::sqrt(du * du + dv * dv);
   const float minor =
       std::max(at.minor_m * std::min(std::abs(scale_u), std::abs(scale_v)), texel_m());
-  const int taps = std::clamp(static_cast<int>(major / minor + 0.5F), 1, kMaxTaps);
+  const int taps = std::clamp(static_cast<int>(std::lround(major / minor)), 1, kMaxTaps);
   const auto n = static_cast<float>(taps);
   const Blend blend = BlendFor(std::max(minor, major / n));
   float sum = 0.0F;
