@@ -7,7 +7,7 @@
 #include <deque>
 
 #include "tvl/map/keyframe.h"
-#include "tvl/mapping/surfel_map.h"
+#include "tvl/registration/surfel_map.h"
 
 namespace tvl {
 

@@ -8,12 +8,10 @@
 #include "tvl/factors/pose_prior.h"
 #include "tvl/geometry/voxel_hash.h"
 #include "tvl/optim/pose_solver.h"
-#include "tvl/registration/beam_directions.h"
+#include "tvl/registration/surfel_matcher.h"
 
 namespace tvl {
 namespace {
-
-constexpr size_t kChunk = 256;
 
 // Indices of the first point of each voxel.
 std::vector<uint32_t> Thin(const std::vector<Eigen::Vector3f>& points, double voxel_m) {
@@ -27,65 +25,6 @@ std::vector<uint32_t> Thin(const std::vector<Eigen::Vector3f>& points, double vo
     kept.push_back(i);
   }
   return kept;
-}
-
-// Variance of a residual: scatter of the surface, the error of the surfel's normal at the lever arm
-// to its mean, and the point's own errors: along its beam, and across it in elevation, which far
-// out on the road is the greater by much.
-double PlaneInformation(const Surfel& surfel, const Eigen::Vector3d& p_world,
-                        const Eigen::Vector3d& p_body, const Eigen::Matrix3d& R,
-                        const ScanToMapOptions& options) {
-  const double lever_sq = (p_world - surfel.mean).squaredNorm();
-  const BeamDirections beam = DirectionsAt(p_body);
-  const Eigen::Vector3d n_body = R.transpose() * surfel.axis;
-  const double across_m = options.beam_sigma_rad * n_body.dot(beam.elevation);
-  const double variance =
-      surfel.thickness_sq_m2 * (1.0 + lever_sq / (surfel.count * surfel.extent_sq_m2)) +
-      options.sensor_sigma_m * options.sensor_sigma_m + across_m * across_m;
-  return 1.0 / variance;
-}
-
-std::vector<PlaneMatch> MatchPlanes(const std::vector<Eigen::Vector3f>& points,
-                                    const SurfelMap& map, const Rigid3d& T, double gate_m,
-                                    const ScanToMapOptions& options, const Executor& executor) {
-  std::vector<PlaneMatch> all(points.size());
-  const Eigen::Matrix3d R = T.R();
-  executor.For(points.size(), kChunk, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const Eigen::Vector3d p_body = points[i].cast<double>();
-      const Eigen::Vector3d p_world = R * p_body + T.t();
-      const Surfel* surfel = map.Find(p_world);
-      all[i].information = 0.0;
-      if (surfel == nullptr) continue;
-      if (std::abs(surfel->axis.dot(p_world - surfel->mean)) > gate_m) continue;
-      all[i].source = static_cast<uint32_t>(i);
-      all[i].factor = {p_body, surfel->axis, surfel->mean};
-      all[i].information = PlaneInformation(*surfel, p_world, p_body, R, options);
-    }
-  });
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [](const PlaneMatch& m) { return m.information == 0.0; }),
-            all.end());
-  return all;
-}
-
-std::vector<LineMatch> MatchLines(const std::vector<Eigen::Vector3f>& points, const SurfelMap& map,
-                                  const Rigid3d& T, double gate_m,
-                                  const ScanToMapOptions& options) {
-  std::vector<LineMatch> matches;
-  for (const Eigen::Vector3f& point : points) {
-    const Eigen::Vector3d p_body = point.cast<double>();
-    const Eigen::Vector3d p_world = T * p_body;
-    const Surfel* surfel = map.Find(p_world);
-    if (surfel == nullptr) continue;
-    if ((p_world - surfel->mean).cross(surfel->axis).norm() > gate_m) continue;
-    LineMatch match;
-    match.factor = {p_body, surfel->axis, surfel->mean};
-    match.information =
-        1.0 / (surfel->thickness_sq_m2 + options.edge_sigma_m * options.edge_sigma_m);
-    matches.push_back(match);
-  }
-  return matches;
 }
 
 NormalEquations PriorTerm(const PosePrior& prior, double share, const Rigid3d& T) {
@@ -145,7 +84,11 @@ class Refiner {
  public:
   Refiner(const Rigid3d& T_cam_lidar, const PosePrior& prior, const ScanToMapOptions& options,
           const Executor& executor)
-      : T_cam_lidar_(T_cam_lidar), prior_(prior), options_(options), executor_(executor) {}
+      : T_cam_lidar_(T_cam_lidar),
+        prior_(prior),
+        options_(options),
+        noise_{options.sensor_sigma_m, options.beam_sigma_rad, options.edge_sigma_m},
+        executor_(executor) {}
 
   LaserSum Laser(const Problem& problem, const Rigid3d& T) const {
     return Linearize(problem.laser, T, SweepBins::Compensated(), options_.kernel_sigmas, executor_);
@@ -167,9 +110,8 @@ class Refiner {
   Problem Match(const Sources& sources, const Rigid3d& T, double gate_m) const {
     Problem problem;
     problem.laser.planes =
-        MatchPlanes(sources.points.planes, sources.map.planes(), T, gate_m, options_, executor_);
-    problem.laser.lines =
-        MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, options_);
+        MatchPlanes(sources.points.planes, sources.map.planes(), T, gate_m, noise_, executor_);
+    problem.laser.lines = MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, noise_);
     if (options_.use_camera) problem.visual.forward = sources.landmarks.Match(sources.tracks, T);
     problem.weakness =
         AnalyseWeakness(Laser(problem, T), Visual(problem, T).normal, options_.weakness);
@@ -217,6 +159,7 @@ class Refiner {
   const Rigid3d& T_cam_lidar_;
   const PosePrior& prior_;
   const ScanToMapOptions& options_;
+  MatchNoise noise_;
   const Executor& executor_;
 };
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "tvl/mapping/surfel_map.h"
+#include "tvl/registration/surfel_map.h"
 #include "tvl/sensor/lidar_model.h"
 
 namespace tvl {

@@ -7,7 +7,7 @@
 #include "tvl/base/parallel.h"
 #include "tvl/geometry/rigid3.h"
 #include "tvl/geometry/voxel_hash.h"
-#include "tvl/mapping/surfel.h"
+#include "tvl/registration/surfel.h"
 
 namespace tvl {
 

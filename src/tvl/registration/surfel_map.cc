@@ -1,4 +1,4 @@
-#include "tvl/mapping/surfel_map.h"
+#include "tvl/registration/surfel_map.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "tvl/mapping/surfel.h"
+#include "tvl/registration/surfel.h"
 
 #include <gtest/gtest.h>
 
