@@ -7,6 +7,7 @@
 
 #include "tvl/base/ids.h"
 #include "tvl/base/time.h"
+#include "tvl/frame/image_features.h"
 #include "tvl/geometry/rigid3.h"
 
 namespace tvl {
@@ -17,10 +18,16 @@ struct FeatureCloud {
   std::vector<float> intensity;         // as long as points
 };
 
-// F_ls and F_lf of one keyframe. About 16 bytes a point, 100-200 kB a keyframe.
+// F_ls and F_lf of one keyframe, 16 bytes a point.
 struct KeyframeCloud {
   FeatureCloud edges;   // F_ls
   FeatureCloud planes;  // F_lf
+};
+
+// What a keyframe saw. About 0.3 MB, kept in a KeyframeStore.
+struct KeyframePayload {
+  KeyframeCloud cloud;
+  ImageFeatures image;  // empty without a camera
 };
 
 struct Keyframe {
