@@ -20,7 +20,7 @@ int Distance(const BinaryDescriptor& a, const BinaryDescriptor& b) {
 TEST(Brief, ThePatternNeverChanges) {
   // Vocabularies and stored maps belong to it.
   uint64_t hash = 0;
-  double sum_sq = 0.0;
+  double sum_sq = 0.0;  // of a normal distribution of 9.6 px, cut off at 24 px
   for (const BriefPair& p : MakeBriefPattern()) {
     for (const int8_t v : {p.ax, p.ay, p.bx, p.by}) {
       EXPECT_LE(std::abs(v), kBriefRadius_px);
@@ -28,7 +28,7 @@ TEST(Brief, ThePatternNeverChanges) {
       sum_sq += v * v;
     }
   }
-  EXPECT_NEAR(std::sqrt(sum_sq / 1024.0), 9.6, 0.5);
+  EXPECT_NEAR(std::sqrt(sum_sq / 1024.0), 9.1, 0.2);
   EXPECT_EQ(hash, 3125055316439518951ULL);
 }
 
