@@ -14,4 +14,28 @@ const char* ToString(LoopProposer proposer) {
   return "unknown";
 }
 
+const char* ToString(LoopStatus status) {
+  switch (status) {
+    case LoopStatus::kAccepted:
+      return "accepted";
+    case LoopStatus::kNoStart:
+      return "no start";
+    case LoopStatus::kFewPoints:
+      return "few points";
+    case LoopStatus::kWeak:
+      return "weak";
+    case LoopStatus::kHighRms:
+      return "high rms";
+    case LoopStatus::kLowOverlap:
+      return "low overlap";
+    case LoopStatus::kContradicted:
+      return "contradicted";
+    case LoopStatus::kAmbiguous:
+      return "ambiguous";
+    case LoopStatus::kInconsistent:
+      return "inconsistent";
+  }
+  return "unknown";
+}
+
 }  // namespace tvl

@@ -1,6 +1,8 @@
 // Loops from suspicion to verdict (paper 6.2, 6.3). Data only.
 #pragma once
 
+#include <string>
+
 #include "tvl/geometry/rigid3.h"
 
 namespace tvl {
@@ -30,6 +32,38 @@ struct LoopProposal {
   // distance, m; lidar: similarity, 0..1.
   double score = 0.0;
   int matches = 0;  // visual: PnP inliers
+};
+
+enum class LoopStatus {
+  kAccepted,
+  kNoStart,       // seen from above, nothing matches
+  kFewPoints,     // too little of the current place lies where the history saw
+  kWeak,          // the place does not hold all directions (a corridor)
+  kHighRms,       // surfaces do not lie on each other
+  kLowOverlap,    // what stands above the ground is elsewhere
+  kContradicted,  // things stand where the other pass saw through
+  kAmbiguous,     // another alignment fits nearly as well
+  kInconsistent,  // the graph contradicts it
+};
+const char* ToString(LoopStatus status);
+
+// A proposal after registration, with everything it was judged on.
+struct LoopVerdict {
+  LoopStatus status = LoopStatus::kNoStart;
+  std::string reason;         // why not, with figures; empty if accepted
+  Rigid3d T_history_current;  // as registered, also of most that are refused
+  // Of T_history_current, right perturbation in the current frame, [rotation, translation].
+  Matrix6d covariance = Matrix6d::Identity();
+  double rms_m = 0.0;         // trimmed point-to-plane distance
+  double raised_rms_m = 0.0;  // of points above the ground alone
+  double overlap = 0.0;       // share of voxels above the ground that the history has too, 0..1
+  double seen_through = 0.0;  // share of points above the ground that stand where rays passed
+  double ambiguity = 0.0;     // fit of the second best alignment to the best's, 0..1
+  double coarse_score = 0.0;  // of the bird's-eye-view alignment, 0..1
+  double translation_ratio = 0.0, rotation_ratio = 0.0;  // see registration/weakness.h
+  int points = 0;                                        // plane points judged
+
+  bool accepted() const { return status == LoopStatus::kAccepted; }
 };
 
 }  // namespace tvl

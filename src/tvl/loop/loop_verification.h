@@ -1,0 +1,71 @@
+// Is a suspected loop true, and what is T_history_current? (paper 6.3)
+//
+// The current keyframe and a stretch before it are laid over the submap round the history keyframe:
+// a correlative match from above finds starts however far the guess is off, registration against
+// surfels closes the rest, and the verdict rests on what can be seen to fit or not to fit.
+#pragma once
+
+#include <vector>
+
+#include "tvl/base/parallel.h"
+#include "tvl/loop/bev_alignment.h"
+#include "tvl/loop/loop_evidence.h"
+#include "tvl/loop/loop_registration.h"
+#include "tvl/loop/loop_source.h"
+#include "tvl/loop/loop_submap.h"
+#include "tvl/map/loop.h"
+
+namespace tvl {
+
+struct LoopVerificationOptions {
+  LoopSubmapOptions submap;
+  LoopSourceOptions source;
+  BevAlignmentOptions bev;
+  LoopRegistrationOptions registration;
+  LoopEvidenceOptions evidence;
+
+  // How far guesses are off (half windows of the search).
+  double pose_radius_m = 1.5, pose_yaw_rad = 0.07;  // PnP: decimetres, a degree
+  double yaw_radius_m = 10.0, yaw_yaw_rad = 0.2;    // a lidar descriptor: metres, some degrees
+  double graph_yaw_rad = 0.26;                      // the graph: 15 degrees
+
+  double max_rms_m = 0.3;  // paper 6.3
+  double max_raised_rms_m = 0.3;
+  double min_overlap = 0.4;  // design 4.7
+  double max_ambiguity = 0.9;
+  double min_translation_ratio = 0.008;  // see WeaknessOptions
+  double min_rotation_ratio = 0.0003;
+  int min_points = 200;  // planes, and half as many raised voxels
+  void Check() const;
+};
+
+// What a verification needs to know besides the proposal.
+struct VerificationInput {
+  // Of all keyframes so far, in the odometry frame: these never change.
+  const std::vector<Rigid3d>& T_odom_lidar;
+  KeyframeCloudSource cloud;
+  Rigid3d T_history_current;  // the graph's estimate, for proposals without a guess of their own
+  double radius_m = 10.0;     // how far off that may be
+};
+
+// Keeps the submap of the last history keyframe and the source of the last current one; neither
+// changes any result. Not thread-safe.
+class LoopVerifier {
+ public:
+  explicit LoopVerifier(const LoopVerificationOptions& options);
+
+  LoopVerdict Verify(const LoopProposal& proposal, const VerificationInput& input,
+                     const Executor& executor);
+
+ private:
+  const LoopSource& SourceOf(int current, const VerificationInput& input);
+  std::vector<BevPeak> FindStarts(const LoopProposal& proposal, const VerificationInput& input,
+                                  const Executor& executor) const;
+
+  LoopVerificationOptions options_;
+  LoopSubmap submap_;
+  LoopSource source_;
+  int source_of_ = -1;  // keyframe
+};
+
+}  // namespace tvl
