@@ -23,14 +23,12 @@ int EligibleHistory(const KeyframeTrack& track, int current, const LoopSeparatio
   TVL_CHECK(current >= 0 && current < track.size())
       << "keyframe " << current << " of " << track.size();
   const size_t cur = static_cast<size_t>(current);
-  const auto young_stamp =
-      std::partition_point(track.stamp.begin(), track.stamp.begin() + current, [&](Timestamp t) {
-        return SecondsBetween(t, track.stamp[cur]) > options.min_time_s;
-      });
-  const auto young_path =
-      std::partition_point(track.path_m.begin(), track.path_m.begin() + current, [&](double path) {
-        return track.path_m[cur] - path > options.min_path_m;
-      });
+  const auto young_stamp = std::partition_point(
+      track.stamp.begin(), track.stamp.begin() + current,
+      [&](Timestamp t) { return SecondsBetween(t, track.stamp[cur]) > options.min_time_s; });
+  const auto young_path = std::partition_point(
+      track.path_m.begin(), track.path_m.begin() + current,
+      [&](double path) { return track.path_m[cur] - path > options.min_path_m; });
   return static_cast<int>(
       std::min(young_stamp - track.stamp.begin(), young_path - track.path_m.begin()));
 }
@@ -40,10 +38,10 @@ std::vector<std::vector<int>> SeparatePasses(const std::vector<int>& keyframes,
                                              const LoopSeparationOptions& options) {
   std::vector<std::vector<int>> passes;
   for (const int k : keyframes) {
-    const bool is_new = passes.empty() || path_m.at(static_cast<size_t>(k)) -
-                                                  path_m.at(static_cast<size_t>(
-                                                      passes.back().back())) >
-                                              options.pass_gap_m;
+    const bool is_new =
+        passes.empty() ||
+        path_m.at(static_cast<size_t>(k)) - path_m.at(static_cast<size_t>(passes.back().back())) >
+            options.pass_gap_m;
     if (is_new) passes.emplace_back();
     passes.back().push_back(k);
   }
