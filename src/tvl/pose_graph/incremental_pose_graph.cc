@@ -1,0 +1,199 @@
+#include "tvl/pose_graph/incremental_pose_graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+#include "tvl/pose_graph/constraint_error.h"
+
+namespace tvl {
+
+void IncrementalPoseGraphOptions::Check() const {
+  TVL_CHECK_INPUT(relinearize_rotation_rad > 0.0) << "relinearize_rotation_rad must be positive";
+  TVL_CHECK_INPUT(relinearize_translation_m > 0.0) << "relinearize_translation_m must be positive";
+  TVL_CHECK_INPUT(settle_rotation_rad >= 0.0 && settle_rotation_rad < relinearize_rotation_rad)
+      << "settle_rotation_rad must lie between 0 and relinearize_rotation_rad";
+  TVL_CHECK_INPUT(settle_translation_m >= 0.0 && settle_translation_m < relinearize_translation_m)
+      << "settle_translation_m must lie between 0 and relinearize_translation_m";
+  TVL_CHECK_INPUT(max_iterations >= 1) << "max_iterations must be at least 1";
+  TVL_CHECK_INPUT(loop_width_sq > 0.0) << "loop_width_sq must be positive";
+  TVL_CHECK_INPUT(min_weight_change > 0.0) << "min_weight_change must be positive";
+  TVL_CHECK_INPUT(loop_loss != LoopLoss::kGnc)
+      << "loop_loss: truncated least squares need the batch optimiser";
+}
+
+IncrementalPoseGraph::IncrementalPoseGraph(const IncrementalPoseGraphOptions& options)
+    : options_(options) {
+  options_.Check();
+}
+
+void IncrementalPoseGraph::AddFirst(const Rigid3d& T_world) {
+  TVL_CHECK(estimates_.empty()) << "the graph has a first pose already";
+  linearized_at_.push_back(T_world);
+  estimates_.push_back(T_world);
+  graph_.terms_of.emplace_back();
+}
+
+PoseGraphUpdate IncrementalPoseGraph::AddKeyframe(const PoseConstraint& odometry) {
+  TVL_CHECK(!estimates_.empty()) << "AddFirst comes first";
+  TVL_CHECK(odometry.to == size()) << "the next pose is " << size() << ", not " << odometry.to;
+  CheckConstraint(odometry, size() + 1, "odometry");
+  const Rigid3d T_world = estimates_[odometry.from] * odometry.T_from_to;
+  linearized_at_.push_back(T_world);
+  estimates_.push_back(T_world);
+  graph_.terms_of.emplace_back();
+  AddTerm(odometry, 1.0);
+  PoseGraphUpdate update;
+  update.iterations = 1;
+  update.eliminated = tree_.Update(graph_, {odometry.from, odometry.to}, {odometry.to});
+  // Nothing is pulled anywhere by a pose that hangs on one other: only its own step is new.
+  update.moved = static_cast<int>(
+      tree_.BackSubstitute(options_.settle_rotation_rad, options_.settle_translation_m).size());
+  estimates_.back() = linearized_at_.back() * Rigid3d::Exp(tree_.step(odometry.to));
+  return update;
+}
+
+PoseGraphUpdate IncrementalPoseGraph::AddLoops(const std::vector<PoseConstraint>& loops) {
+  for (const PoseConstraint& loop : loops) CheckConstraint(loop, size(), "loop");
+  std::vector<int> touched;
+  for (const PoseConstraint& loop : loops) {
+    // Believed at first: before the graph has bent, every loop after a long way is far off.
+    loop_terms_.push_back(AddTerm(loop, 1.0));
+    is_loop_.back() = 1;
+    touched.insert(touched.end(), {loop.from, loop.to});
+  }
+  return Solve(std::move(touched));
+}
+
+PoseGraphUpdate IncrementalPoseGraph::RemoveLoops(const std::vector<int>& loops) {
+  std::vector<int> touched;
+  for (const int loop : loops) {
+    TVL_CHECK(loop >= 0 && loop < this->loops()) << "there is no loop " << loop;
+    const int term = loop_terms_[loop];
+    if (is_removed_[term]) continue;
+    is_removed_[term] = 1;
+    weights_[term] = 0.0;
+    for (const int v : {constraints_[term].from, constraints_[term].to}) {
+      auto& terms = graph_.terms_of[v];
+      terms.erase(std::find(terms.begin(), terms.end(), term));
+      touched.push_back(v);
+    }
+  }
+  return Solve(std::move(touched));
+}
+
+int IncrementalPoseGraph::AddTerm(const PoseConstraint& constraint, double weight) {
+  const int term = static_cast<int>(constraints_.size());
+  constraints_.push_back(constraint);
+  weights_.push_back(weight);
+  is_loop_.push_back(0);
+  is_removed_.push_back(0);
+  graph_.terms.push_back({constraint.from, constraint.to, {}});
+  graph_.terms_of[constraint.from].push_back(term);
+  graph_.terms_of[constraint.to].push_back(term);
+  LinearizeTerm(term);
+  return term;
+}
+
+void IncrementalPoseGraph::LinearizeTerm(int term) {
+  const PoseConstraint& c = constraints_[term];
+  graph_.terms[term].blocks =
+      NormalBlocks(c, weights_[term], linearized_at_[c.from], linearized_at_[c.to]);
+}
+
+PoseGraphUpdate IncrementalPoseGraph::Solve(std::vector<int> touched) {
+  PoseGraphUpdate update;
+  const std::vector<int> newest = {size() - 1};
+  for (; update.iterations < options_.max_iterations && !touched.empty(); ++update.iterations) {
+    update.eliminated += tree_.Update(graph_, touched, newest);
+    const std::vector<int> moved =
+        tree_.BackSubstitute(options_.settle_rotation_rad, options_.settle_translation_m);
+    for (const int v : moved) {
+      estimates_[v] = linearized_at_[v] * Rigid3d::Exp(tree_.step(v));
+    }
+    update.moved = static_cast<int>(moved.size());
+    if (update.iterations + 1 == options_.max_iterations) continue;
+    touched = ReweighLoops();
+    std::vector<int> bent = Relinearize();
+    update.relinearized += static_cast<int>(bent.size());
+    for (const int v : bent) {
+      for (const int t : graph_.terms_of[v]) {
+        LinearizeTerm(t);
+        touched.insert(touched.end(), {constraints_[t].from, constraints_[t].to});
+      }
+    }
+  }
+  return update;
+}
+
+std::vector<int> IncrementalPoseGraph::Relinearize() {
+  std::vector<int> bent;
+  for (int v = 1; v < size(); ++v) {
+    const Vector6d& step = tree_.step(v);
+    if (step.head<3>().norm() > options_.relinearize_rotation_rad ||
+        step.tail<3>().norm() > options_.relinearize_translation_m) {
+      linearized_at_[v] = estimates_[v];
+      tree_.ClearStep(v);
+      bent.push_back(v);
+    }
+  }
+  return bent;
+}
+
+std::vector<int> IncrementalPoseGraph::ReweighLoops() {
+  std::vector<int> touched;
+  for (int loop = 0; loop < loops(); ++loop) {
+    const int term = loop_terms_[loop];
+    if (is_removed_[term]) continue;
+    const double weight =
+        EvaluateLoopLoss(options_.loop_loss, LoopErrorSq(loop), options_.loop_width_sq).weight;
+    if (std::abs(weight - weights_[term]) < options_.min_weight_change) continue;
+    weights_[term] = weight;
+    LinearizeTerm(term);
+    touched.insert(touched.end(), {constraints_[term].from, constraints_[term].to});
+  }
+  return touched;
+}
+
+double IncrementalPoseGraph::LoopErrorSq(int loop) const {
+  const PoseConstraint& c = constraints_[loop_terms_[loop]];
+  return SquaredError(c, estimates_[c.from], estimates_[c.to]);
+}
+
+std::vector<double> IncrementalPoseGraph::LoopWeights() const {
+  std::vector<double> weights;
+  weights.reserve(loop_terms_.size());
+  for (const int term : loop_terms_) weights.push_back(weights_[term]);
+  return weights;
+}
+
+double IncrementalPoseGraph::Cost() const {
+  double sum = 0.0;
+  for (size_t term = 0; term < constraints_.size(); ++term) {
+    if (is_removed_[term]) continue;
+    const PoseConstraint& c = constraints_[term];
+    const double e_sq = SquaredError(c, estimates_[c.from], estimates_[c.to]);
+    sum += is_loop_[term] ? EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).rho
+                          : e_sq;
+  }
+  return 0.5 * sum;
+}
+
+PoseGraph IncrementalPoseGraph::Graph() const {
+  PoseGraph graph;
+  graph.T_world = estimates_;
+  for (size_t term = 0; term < constraints_.size(); ++term) {
+    if (is_removed_[term]) continue;
+    (is_loop_[term] ? graph.loops : graph.odometry).push_back(constraints_[term]);
+  }
+  return graph;
+}
+
+Matrix6d IncrementalPoseGraph::RelativeCovariance(int i, int j) const {
+  TVL_CHECK(i >= 0 && i < size() && j >= 0 && j < size()) << "poses " << i << " and " << j;
+  // T_ij Exp(x_j) with x_i carried to the right: Exp(-x_i) T_ij = T_ij Exp(-Ad(T_ij^-1) x_i).
+  const Rigid3d T_j_i = linearized_at_[j].Inverse() * linearized_at_[i];
+  return tree_.Covariance(i, -T_j_i.Adjoint(), j, Matrix6d::Identity());
+}
+
+}  // namespace tvl
