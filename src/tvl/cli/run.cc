@@ -50,6 +50,7 @@ RunOptions MakeOptions(const RunArguments& arguments) {
   options.threads = arguments.threads;
   if (arguments.deskew != "auto") options.deskew = ParseDeskew(arguments.deskew);
   if (arguments.lidar_only) options.slam.use_camera = false;
+  if (arguments.no_loops) options.slam.loops.enabled = false;
   options.Check();
   return options;
 }
@@ -60,16 +61,8 @@ double PeakMemory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-Trajectory TrajectoryOf(const RunResult& result) {
-  Trajectory trajectory;
-  for (const FrameResult& frame : result.frames) {
-    trajectory.push_back({frame.id, frame.stamp, frame.T_world_lidar});
-  }
-  return trajectory;
-}
-
 void WriteResults(const fs::path& out, const RunResult& result, const RunContext& context) {
-  const Trajectory trajectory = TrajectoryOf(result);
+  const Trajectory& trajectory = result.trajectory;
   WriteKittiPoses((out / "trajectory_kitti.txt").string(),
                   ToKittiPoses(trajectory, context.setup.calibration.T_cam0_lidar));
   WriteTumTrajectory((out / "trajectory_tum.txt").string(), trajectory);
@@ -167,8 +160,7 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--threads", arguments->threads, "threads to work with; never changes results")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  run->add_flag("--no-loops", arguments->no_loops,
-                "odometry and local map only (this version closes no loops yet)");
+  run->add_flag("--no-loops", arguments->no_loops, "odometry and local map only, no loops closed");
   run->add_flag("--lidar-only", arguments->lidar_only, "leave the camera out");
   run->add_option("--frames", arguments->frames, "A:B: frames A to B-1 only; either may be empty");
   run->callback([arguments] { Run(*arguments); });

@@ -96,7 +96,7 @@ cv::Mat DrawMapUpTo(const ShowArguments& arguments, const Dataset& dataset) {
   options.deskew = GivenDeskew(arguments);
   const RunResult result = RunSlam(source, options, [](const FrameResult&) { return true; });
   std::vector<Eigen::Vector3d> driven;
-  for (const FrameResult& frame : result.frames) driven.push_back(frame.T_world_lidar.t());
+  for (const StampedPose& pose : result.trajectory) driven.push_back(pose.T_world_lidar.t());
   return DrawMap(BuildMapCloud(result.map, kMapVoxel_m), driven);
 }
 

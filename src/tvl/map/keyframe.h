@@ -1,8 +1,7 @@
-// What is kept of a keyframe (paper 6.1, Eq. 9). Payloads are immutable; poses live beside them.
+// What is kept of a keyframe (paper 6.1, Eq. 9): an immutable payload, and poses beside it.
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 #include "tvl/base/ids.h"
@@ -30,19 +29,15 @@ struct KeyframePayload {
   ImageFeatures image;  // empty without a camera
 };
 
+// The odometry frame never jumps: it is the world as the odometry alone sees it, and drifts. What
+// loops correct is T_world_lidar. Payloads lie in the map's store under `id.index`.
 struct Keyframe {
   KeyframeId id;
   FrameId frame = 0;
   Timestamp stamp;
-  Rigid3d T_world_lidar;
   double path_m = 0.0;  // length driven up to here
-  std::shared_ptr<const KeyframeCloud> cloud;
-};
-
-// Sole owner of the keyframes, in the order they were made. No rule ties the world's origin to the
-// first of them.
-struct Map {
-  std::vector<Keyframe> keyframes;
+  Rigid3d T_odom_lidar;
+  Rigid3d T_world_lidar;
 };
 
 }  // namespace tvl

@@ -28,22 +28,22 @@ std::shared_ptr<KeyframeCloud> CloudAt(const World& world, const Rigid3d& T, uin
 }
 
 // Keyframes every metre along x up to 10 m, the whole world moved by `shift`.
-std::vector<Keyframe> DriveThrough(const World& world, const Rigid3d& shift) {
-  std::vector<Keyframe> keyframes;
+std::vector<LocalMapMember> DriveThrough(const World& world, const Rigid3d& shift) {
+  std::vector<LocalMapMember> keyframes;
   for (int k = 0; k <= 10; ++k) {
     const Rigid3d T = Rigid3d::Exp(Twist(0.0, 0.0, 0.01 * k, 1.0 * k, 0.0, 0.0));
-    Keyframe keyframe;
+    LocalMapMember keyframe;
     keyframe.path_m = k;
-    keyframe.T_world_lidar = shift * T;
+    keyframe.T_odom_lidar = shift * T;
     keyframe.cloud = CloudAt(world, T, 100 + static_cast<uint64_t>(k));
     keyframes.push_back(keyframe);
   }
   return keyframes;
 }
 
-LocalMap MapOf(const std::vector<Keyframe>& keyframes) {
+LocalMap MapOf(const std::vector<LocalMapMember>& keyframes) {
   LocalMap map{LocalMapOptions()};
-  for (const Keyframe& keyframe : keyframes) map.Add(keyframe, Executor(1));
+  for (const LocalMapMember& keyframe : keyframes) map.Add(keyframe, Executor(1));
   return map;
 }
 
@@ -97,11 +97,11 @@ INSTANTIATE_TEST_SUITE_P(Worlds, RefinePoseIn,
 // points, each feature is matched with the plane through its five nearest neighbours.
 class LiteralMap {
  public:
-  explicit LiteralMap(const std::vector<Keyframe>& keyframes) {
+  explicit LiteralMap(const std::vector<LocalMapMember>& keyframes) {
     std::vector<Eigen::Vector3f> all;
-    for (const Keyframe& keyframe : keyframes) {
+    for (const LocalMapMember& keyframe : keyframes) {
       for (const auto& p : keyframe.cloud->planes.points) {
-        all.push_back((keyframe.T_world_lidar * p.cast<double>()).cast<float>());
+        all.push_back((keyframe.T_odom_lidar * p.cast<double>()).cast<float>());
       }
     }
     index_ = PointIndex(std::move(all));
@@ -146,7 +146,7 @@ class LiteralMap {
 
 TEST(RefinePose, AgreesWithEquations9To11) {
   const World street = synthetic::Street();
-  const std::vector<Keyframe> keyframes = DriveThrough(street, Rigid3d());
+  const std::vector<LocalMapMember> keyframes = DriveThrough(street, Rigid3d());
   const auto cloud = CloudAt(street, kTruth, 6);
   const Rigid3d T_prior = kTruth * kPriorError;
   const Rigid3d T = Refine(*cloud, MapOf(keyframes), Prior(T_prior, 1.0, 10.0)).estimate.T_ref_body;

@@ -81,10 +81,10 @@ void DeskewDecisionOptions::Check() const {
 }
 
 DeskewTrial::DeskewTrial(const SensorSetup& setup, const SlamOptions& slam,
-                         const DeskewDecisionOptions& options)
+                         const DeskewDecisionOptions& options, bool in_background)
     : options_(options), default_answer_(setup.default_deskew) {
   for (const Deskew answer : kAnswers) {
-    contenders_.push_back({answer, SlamSystem(setup, answer, slam), {}});
+    contenders_.push_back({answer, SlamSystem(setup, answer, slam, in_background), {}});
   }
 }
 

@@ -54,8 +54,9 @@ class DeskewTrial {
     std::vector<FrameResult> frames;
   };
 
+  // `in_background`: see SlamSystem.
   DeskewTrial(const SensorSetup& setup, const SlamOptions& slam,
-              const DeskewDecisionOptions& options);
+              const DeskewDecisionOptions& options, bool in_background = false);
 
   // Gives the frame to all; returns the result under the input's default answer (provisional).
   const FrameResult& ProcessFrame(const SensorFrame& frame, const Executor& executor);

@@ -44,6 +44,8 @@ std::string ValueText(const T& value, bool is_angle) {
     return std::to_string(value);
   } else if constexpr (std::is_same_v<T, double>) {
     return NumberText(value, is_angle);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return '"' + value + '"';
   } else if constexpr (std::is_same_v<T, std::vector<double>>) {
     std::string text;
     for (const double v : value) text += (text.empty() ? "" : ", ") + NumberText(v, is_angle);
@@ -64,6 +66,8 @@ T ValueFromNode(const YAML::Node& node, bool is_angle, const std::string& where)
     return IntFromNode(node, where);
   } else if constexpr (std::is_same_v<T, double>) {
     return NumberFromNode(node, is_angle, where);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return WordFromNode(node, where);
   } else if constexpr (std::is_same_v<T, std::vector<double>>) {
     std::vector<double> values;
     for (const YAML::Node& element : ListFromNode(node, where)) {

@@ -139,8 +139,23 @@ void VisitFields(Visitor& visit, DepthOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, FastCornersOptions& options) {
+  TVL_FIELD(count);
+  TVL_FIELD(threshold_levels);
+  TVL_FIELD(cell_px);
+  TVL_FIELD(min_distance_px);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, ImageFeatureOptions& options) {
+  TVL_FIELD(corners);
+  TVL_FIELD(image);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, PreprocessingOptions& options) {
   TVL_FIELD(vision);
+  TVL_FIELD(loop_features);
   TVL_FIELD(segmentation);
   TVL_FIELD(features);
   TVL_FIELD(depth);
@@ -225,6 +240,9 @@ void VisitFields(Visitor& visit, SurfelMapOptions& options) {
 template <typename Visitor>
 void VisitFields(Visitor& visit, LocalMapOptions& options) {
   TVL_FIELD(keep_path_m);
+  TVL_FIELD(connected_radius_m);
+  TVL_FIELD(connected_changes);
+  TVL_FIELD(connected_tolerance_m);
   TVL_FIELD(planes);
   TVL_FIELD(lines);
 }
@@ -272,13 +290,26 @@ void VisitFields(Visitor& visit, BeamCalibrationOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, KeyframeStoreOptions& options) {
+  TVL_FIELD(memory_mib);
+  TVL_FIELD(folder);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, MappingOptions& options) {
   TVL_FIELD(interval);
   TVL_FIELD(beams);
   TVL_FIELD(keyframes);
+  TVL_FIELD(store);
   TVL_FIELD(local_map);
   TVL_FIELD(landmarks);
   TVL_FIELD(scan_to_map);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, LoopOptions& options) {
+  TVL_FIELD(enabled);
+  TVL_FIELD(lag_keyframes);
 }
 
 template <typename Visitor>
@@ -286,6 +317,7 @@ void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(preprocessing);
   TVL_FIELD(odometry);
   TVL_FIELD(mapping);
+  TVL_FIELD(loops);
   TVL_FIELD(use_camera);
 }
 

@@ -262,6 +262,8 @@ class Scrambler {
       field *= 1.0 + 1.0 / 3.0e4;
     } else if constexpr (std::is_same_v<T, std::vector<double>>) {
       field.push_back(4.0 + 1.0 / 3.0);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      field += "a folder: #1";
     } else if constexpr (std::is_same_v<T, SurfelKind>) {
       field = field == SurfelKind::kPlane ? SurfelKind::kLine : SurfelKind::kPlane;
     } else {

@@ -13,7 +13,8 @@ Preprocessor::Preprocessor(const SensorSetup& setup, Deskew deskew,
       deskew_(deskew),
       options_(options),
       use_camera_(use_camera),
-      tracker_(options.vision) {}
+      tracker_(options.vision),
+      extractor_(options.loop_features) {}
 
 PreprocessedFrame Preprocessor::Process(const SensorFrame& frame, const PredictedMotion& predicted,
                                         const BeamOffsets& beams, const Executor& executor,
@@ -24,7 +25,7 @@ PreprocessedFrame Preprocessor::Process(const SensorFrame& frame, const Predicte
   executor.Invoke({[&] { ProcessScan(frame, beams, &out, times); },
                    [&] { ProcessImage(frame, predicted, &out, times); }});
   const Stopwatch watch;
-  out.depths = FindDepths(out, predicted);
+  out.depths = FindDepths(out.tracks, out, predicted);
   times->depth_ms += watch.ElapsedMs();
   previous_tracks_ = out.tracks;
   previous_depths_ = out.depths;
@@ -57,18 +58,34 @@ void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beam
   times->features_ms += watch.ElapsedMs();
 }
 
-VisualDepths Preprocessor::FindDepths(const PreprocessedFrame& frame,
-                                      const PredictedMotion& predicted) const {
-  if (!frame.has_scan || frame.tracks.tracks.empty()) {
-    return VisualDepths(frame.tracks.tracks.size());
-  }
-  const auto& lidar = setup_.lidar;
+VisualDepths Preprocessor::FindDepths(const FeatureTracks& tracks, const PreprocessedFrame& frame,
+                                      const PredictedMotion& motion) const {
+  if (!frame.has_scan || tracks.tracks.empty()) return VisualDepths(tracks.tracks.size());
   const std::vector<Eigen::Vector3f> points =
       deskew_ == Deskew::kNone ? frame.scan.points
                                : DeskewPoints(frame.scan.points, frame.scan.time_offset_s,
-                                              predicted.T_prev_cur, predicted.period_s);
-  return AssociateDepth(frame.tracks, points, frame.scan, setup_.calibration.camera,
-                        setup_.calibration.T_cam_lidar, lidar, options_.depth);
+                                              motion.T_prev_cur, motion.period_s);
+  return AssociateDepth(tracks, points, frame.scan, setup_.calibration.camera,
+                        setup_.calibration.T_cam_lidar, setup_.lidar, options_.depth);
+}
+
+ImageFeatures Preprocessor::Describe(const SensorFrame& frame,
+                                     const PreprocessedFrame& preprocessed,
+                                     const PredictedMotion& motion) const {
+  if (!preprocessed.has_image) return {};
+  ImageFeatures features = extractor_.Extract(frame.image, setup_.calibration.camera);
+  FeatureTracks rays;
+  for (const Eigen::Vector2f& ray : features.ray_cam) {
+    rays.tracks.push_back(
+        {0, 1, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), ray.cast<double>()});
+  }
+  const VisualDepths depths = FindDepths(rays, preprocessed, motion);
+  for (size_t i = 0; i < depths.size(); ++i) {
+    if (depths[i].status == DepthStatus::kOk) {
+      features.depth_m[i] = static_cast<float>(depths[i].depth_m);
+    }
+  }
+  return features;
 }
 
 }  // namespace tvl

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tvl/base/parallel.h"
+#include "tvl/frame/image_features.h"
 #include "tvl/frame/preprocessed_frame.h"
 #include "tvl/registration/beam_calibration.h"
 #include "tvl/sensor/dataset.h"
@@ -26,18 +27,25 @@ class Preprocessor {
   PreprocessedFrame Process(const SensorFrame& frame, const PredictedMotion& predicted,
                             const BeamOffsets& beams, const Executor& executor, StageTimes* times);
 
+  // What loop detection keeps of a keyframe's image, with depth where the lidar knows it (paper
+  // 6.1). `motion` is the frame's, as estimated. Empty without a usable image.
+  ImageFeatures Describe(const SensorFrame& frame, const PreprocessedFrame& preprocessed,
+                         const PredictedMotion& motion) const;
+
  private:
   void ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,
                     PreprocessedFrame* out, StageTimes* times);
   void ProcessScan(const SensorFrame& frame, const BeamOffsets& beams, PreprocessedFrame* out,
                    StageTimes* times);
-  VisualDepths FindDepths(const PreprocessedFrame& frame, const PredictedMotion& predicted) const;
+  VisualDepths FindDepths(const FeatureTracks& tracks, const PreprocessedFrame& frame,
+                          const PredictedMotion& motion) const;
 
   SensorSetup setup_;
   Deskew deskew_;
   PreprocessingOptions options_;
   bool use_camera_;
   FeatureTracker tracker_;
+  ImageFeatureExtractor extractor_;
   SegmentationWorkspace workspace_;
   // Tracks and depths of the previous frame: where its features are to be looked for.
   FeatureTracks previous_tracks_;

@@ -6,6 +6,7 @@ namespace tvl {
 
 void SlamOptions::Check() const {
   preprocessing.vision.Check();
+  preprocessing.loop_features.Check();
   preprocessing.segmentation.Check();
   preprocessing.features.Check();
   preprocessing.depth.Check();
@@ -13,9 +14,11 @@ void SlamOptions::Check() const {
   TVL_CHECK_INPUT(mapping.interval >= 1) << "mapping.interval: must be at least 1";
   mapping.beams.Check();
   mapping.keyframes.Check();
+  mapping.store.Check();
   mapping.local_map.Check();
   mapping.landmarks.Check();
   mapping.scan_to_map.Check();
+  loops.Check();
 }
 
 }  // namespace tvl

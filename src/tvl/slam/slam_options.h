@@ -4,17 +4,21 @@
 #include "tvl/depth/depth_options.h"
 #include "tvl/lidar/feature_extraction.h"
 #include "tvl/lidar/segmentation.h"
+#include "tvl/map/keyframe_store.h"
 #include "tvl/mapping/keyframe_selector.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/mapping/scan_to_map.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
 #include "tvl/registration/beam_calibration.h"
+#include "tvl/slam/loop_closer.h"
 #include "tvl/vision/feature_tracker.h"
+#include "tvl/vision/image_feature_extractor.h"
 
 namespace tvl {
 
 struct PreprocessingOptions {
   FeatureTrackerOptions vision;
+  ImageFeatureOptions loop_features;  // of keyframes
   SegmentationOptions segmentation;
   LaserFeatureOptions features;
   DepthOptions depth;
@@ -29,6 +33,7 @@ struct MappingOptions {
   int interval = 1;
   BeamCalibrationOptions beams;
   KeyframeOptions keyframes;
+  KeyframeStoreOptions store;
   LocalMapOptions local_map;
   LandmarkOptions landmarks;
   ScanToMapOptions scan_to_map;
@@ -38,6 +43,7 @@ struct SlamOptions {
   PreprocessingOptions preprocessing;
   OdometryOptions odometry;
   MappingOptions mapping;
+  LoopOptions loops;
   bool use_camera = true;
   void Check() const;
 };

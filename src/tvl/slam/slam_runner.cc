@@ -38,13 +38,15 @@ struct Started {
 };
 
 Started StartWith(Deskew deskew, const std::string& said_by, const SensorSetup& setup,
-                  const SlamOptions& slam) {
-  return {SlamSystem(setup, deskew, slam), {}, {deskew, DeskewVerdict::kGiven, said_by, {}, 0}};
+                  const RunOptions& options) {
+  return {SlamSystem(setup, deskew, options.slam, options.threads > 1),
+          {},
+          {deskew, DeskewVerdict::kGiven, said_by, {}, 0}};
 }
 
 Started StartWithTrial(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
                        const RunObserver& observer, const Executor& executor) {
-  DeskewTrial trial(setup, options.slam, options.decision);
+  DeskewTrial trial(setup, options.slam, options.decision, options.threads > 1);
   bool go_on = true;
   while (go_on && !trial.IsOver()) {
     const std::optional<SensorFrame> frame = frames.Next();
@@ -58,8 +60,8 @@ Started StartWithTrial(Prefetcher& frames, const SensorSetup& setup, const RunOp
 
 Started Start(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
               const RunObserver& observer, const Executor& executor) {
-  if (options.deskew) return StartWith(*options.deskew, "set by the user", setup, options.slam);
-  if (setup.deskew) return StartWith(*setup.deskew, "stated by the input", setup, options.slam);
+  if (options.deskew) return StartWith(*options.deskew, "set by the user", setup, options);
+  if (setup.deskew) return StartWith(*setup.deskew, "stated by the input", setup, options);
   return StartWithTrial(frames, setup, options, observer, executor);
 }
 
@@ -86,6 +88,8 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
     result.frames.push_back(run.system.ProcessFrame(*frame, executor));
     result.stopped = !observer(result.frames.back());
   }
+  run.system.Finish();
+  result.trajectory = run.system.trajectory();
   result.map = run.system.map();
   TVL_CHECK_INPUT(!result.map.keyframes.empty())
       << source.setup().name << ": no frame of " << result.frames.size() << " has a usable scan";

@@ -20,7 +20,8 @@ struct RunOptions {
 };
 
 struct RunResult {
-  std::vector<FrameResult> frames;  // one a frame of the input, in order
+  std::vector<FrameResult> frames;  // one a frame of the input, in order, as known at the time
+  Trajectory trajectory;            // of the same frames, with all loops
   Map map;
   DeskewDecision deskew;
   bool stopped = false;  // the observer said so

@@ -5,7 +5,6 @@
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/corrected_extrinsics.h"
-#include "tvl/geometry/voxel_hash.h"
 #include "tvl/lidar/deskew.h"
 
 namespace tvl {
@@ -53,6 +52,12 @@ FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
   return cloud;
 }
 
+LocalMapMember MemberOf(const Map& map, size_t index) {
+  const Keyframe& keyframe = map.keyframes[index];
+  return {keyframe.id.index, keyframe.path_m, keyframe.T_odom_lidar,
+          map.store->Cloud(keyframe.id.index)};
+}
+
 int CountDepths(const VisualDepths& depths) {
   return static_cast<int>(std::count_if(depths.begin(), depths.end(), [](const VisualDepth& d) {
     return d.status == DepthStatus::kOk;
@@ -73,7 +78,8 @@ const char* ToString(FrameStatus status) {
   return "unknown";
 }
 
-SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOptions& options)
+SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOptions& options,
+                       bool in_background)
     : setup_(WithUsableExtrinsics(setup, options.preprocessing)),
       deskew_(deskew),
       options_(Checked(options)),
@@ -81,8 +87,13 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       odometry_(setup_.calibration, options_.odometry),
       local_map_(options_.mapping.local_map),
       landmarks_(setup_.calibration, options_.mapping.landmarks),
-      beams_(setup.lidar.rows(), options_.mapping.beams) {
+      beams_(setup.lidar.rows(), options_.mapping.beams),
+      loop_thread_(in_background && options_.loops.enabled) {
   setup_.lidar.Check();
+  map_.store = std::make_shared<KeyframeStore>(options_.mapping.store);
+  if (options_.loops.enabled) {
+    loop_closer_ = std::make_shared<LoopCloser>(options_.loops, setup_.calibration, map_.store);
+  }
   motion_.period_s = setup.lidar.sweep_s;
 }
 
@@ -103,19 +114,26 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   const KeyframeCloud cloud = Compensate(current, motion);
   result.times.odometry_ms = watch.LapMs();
 
-  const Rigid3d T_world_prev = trajectory_.empty() ? Rigid3d() : trajectory_.back().T_world_lidar;
-  RefineAgainstMap(current, cloud, T_world_prev * motion.T_prev_cur, executor, &result);
-  motion.T_prev_cur = T_world_prev.Inverse() * result.T_world_lidar;
+  const Rigid3d T_odom_prev = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
+  RefineAgainstMap(current, cloud, T_odom_prev * motion.T_prev_cur, executor, &result);
+  motion.T_prev_cur = T_odom_prev.Inverse() * result.T_odom_lidar;
   result.times.map_step_ms = watch.LapMs();
 
-  has_velocity_ = !trajectory_.empty() && (has_velocity_ || result.status == FrameStatus::kTracked);
-  motion_ = motion;
-  path_m_ += motion.T_prev_cur.t().norm();
-  clock_ = trajectory_.empty() ? frame.stamp : Advanced(clock_, frame.stamp, motion.period_s);
-  trajectory_.push_back({frame.id, frame.stamp, result.T_world_lidar});
-  UpdateMap(current, cloud, executor, &result);
+  Advance(result, motion);
+  result.is_keyframe = UpdateLandmarks(current, result);
+  if (result.is_keyframe) {
+    AddKeyframe(result, {cloud, preprocessor_.Describe(frame, current, motion)}, executor);
+  }
   odometry_.Advance(current, cloud.edges.points, cloud.planes.points);
   result.times.map_update_ms = watch.LapMs();
+
+  if (result.is_keyframe && loop_closer_ != nullptr) CloseLoops(executor);
+  path_.push_back(
+      {frame.id, frame.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
+  result.T_world_lidar = map_.keyframes.empty()
+                             ? result.T_odom_lidar
+                             : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  result.times.loops_ms = watch.LapMs();
 
   result.tracking = current.tracks.status;
   result.tracks = static_cast<int>(current.tracks.tracks.size());
@@ -126,8 +144,19 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   return result;
 }
 
+void SlamSystem::Advance(const FrameResult& result, const PredictedMotion& motion) {
+  const bool is_first = path_.empty();
+  has_velocity_ = !is_first && (has_velocity_ || result.status == FrameStatus::kTracked);
+  motion_ = motion;
+  path_m_ += motion.T_prev_cur.t().norm();
+  clock_ = is_first ? result.stamp : Advanced(clock_, result.stamp, motion.period_s);
+  const Matrix6d adjoint = motion.T_prev_cur.Inverse().Adjoint();
+  keyframe_covariance_ =
+      (adjoint * keyframe_covariance_ * adjoint.transpose() + result.step_covariance).eval();
+}
+
 PredictedMotion SlamSystem::Predict(const SensorFrame& frame) const {
-  if (trajectory_.empty()) return {Rigid3d(), setup_.lidar.sweep_s};
+  if (path_.empty()) return {Rigid3d(), setup_.lidar.sweep_s};
   const double period_s = SecondsBetween(clock_, frame.stamp);
   if (period_s <= 0.0) return motion_;  // reported as a fault by the input
   return {Scale(period_s / motion_.period_s, motion_.T_prev_cur), period_s};
@@ -136,7 +165,7 @@ PredictedMotion SlamSystem::Predict(const SensorFrame& frame) const {
 MotionEstimate SlamSystem::EstimateMotion(const PreprocessedFrame& frame,
                                           const PredictedMotion& predicted,
                                           const Executor& executor) {
-  if (trajectory_.empty()) return MotionEstimate();
+  if (path_.empty()) return MotionEstimate();
   const SweepBins bins = deskew_ == Deskew::kNone ? SweepBins::Compensated() : SweepBins::Raw();
   MotionEstimate estimate = odometry_.Estimate(frame, {predicted.T_prev_cur, has_velocity_}, bins,
                                                predicted.period_s, executor);
@@ -157,10 +186,11 @@ void SlamSystem::CompensateLastAgain(const PredictedMotion& motion, const Execut
   const KeyframeCloud cloud = Compensate(last_, motion);
   odometry_.Advance(last_, cloud.edges.points, cloud.planes.points);
   if (map_.keyframes.size() != 1 || map_.keyframes.back().frame != last_.id) return;
-  Keyframe& keyframe = map_.keyframes.back();
-  keyframe.cloud = std::make_shared<const KeyframeCloud>(cloud);
+  KeyframePayload payload = *map_.store->Get(0);
+  payload.cloud = cloud;
+  map_.store->Put(0, std::make_shared<const KeyframePayload>(std::move(payload)));
   local_map_ = LocalMap(options_.mapping.local_map);
-  local_map_.Add(keyframe, executor);
+  local_map_.Add(MemberOf(map_, 0), executor);
 }
 
 KeyframeCloud SlamSystem::Compensate(const PreprocessedFrame& frame,
@@ -170,88 +200,112 @@ KeyframeCloud SlamSystem::Compensate(const PreprocessedFrame& frame,
 }
 
 void SlamSystem::RefineAgainstMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
-                                  const Rigid3d& T_world_guess, const Executor& executor,
+                                  const Rigid3d& T_odom_guess, const Executor& executor,
                                   FrameResult* result) {
-  const bool is_first = trajectory_.empty();
-  result->T_world_lidar = T_world_guess;
+  const bool is_first = path_.empty();
+  result->T_odom_lidar = T_odom_guess;
   result->step_covariance = result->odometry.covariance;
   const bool has_odometry = result->odometry.status == EstimateStatus::kConverged ||
                             result->odometry.status == EstimateStatus::kNotConverged;
   result->status = is_first       ? FrameStatus::kFirst
                    : has_odometry ? FrameStatus::kTracked
                                   : FrameStatus::kPredicted;
-  const bool is_due = static_cast<int>(trajectory_.size()) % options_.mapping.interval == 0;
+  const bool is_due = static_cast<int>(path_.size()) % options_.mapping.interval == 0;
   if (is_first || local_map_.empty() || !is_due) return;
   const auto& options = options_.mapping.scan_to_map;
   const MapStepPoints points =
       ThinForMapStep(cloud.planes.points, cloud.edges.points, options.source_voxel_m);
-  const PosePrior prior{T_world_guess, result->odometry.covariance,
+  const PosePrior prior{T_odom_guess, result->odometry.covariance,
                         result->odometry.T_ref_body.t().norm()};
   result->map_step = RefinePose(points, local_map_, landmarks_, frame.tracks,
                                 setup_.calibration.T_cam_lidar, prior, options, executor);
   const std::vector<PlaneMatch> matches = std::move(result->map_step.planes);
   result->map_step.planes.clear();
   if (result->map_step.estimate.status == EstimateStatus::kPredicted) return;
-  result->T_world_lidar = result->map_step.estimate.T_ref_body;
+  result->T_odom_lidar = result->map_step.estimate.T_ref_body;
   result->step_covariance = result->map_step.estimate.covariance;
   result->status = FrameStatus::kTracked;
-  CalibrateBeams(matches, points, frame.features.less_flat, result->T_world_lidar);
+  CalibrateBeams(matches, points, frame.features.less_flat, result->T_odom_lidar);
 }
 
 void SlamSystem::CalibrateBeams(const std::vector<PlaneMatch>& matches, const MapStepPoints& points,
                                 const std::vector<LaserFeature>& features,
-                                const Rigid3d& T_world_lidar) {
+                                const Rigid3d& T_odom_lidar) {
   std::vector<uint16_t> rings;
   rings.reserve(matches.size());
   for (const PlaneMatch& match : matches) {
     rings.push_back(features[points.plane_index[match.source]].ring);
   }
-  beams_.Add(matches, rings, T_world_lidar, options_.mapping.scan_to_map.kernel_sigmas);
+  beams_.Add(matches, rings, T_odom_lidar, options_.mapping.scan_to_map.kernel_sigmas);
 }
 
-void SlamSystem::UpdateMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
-                           const Executor& executor, FrameResult* result) {
-  if (options_.use_camera) landmarks_.Update(frame.tracks, frame.depths, result->T_world_lidar);
-  if (!frame.has_scan || result->status == FrameStatus::kPredicted) return;
+bool SlamSystem::UpdateLandmarks(const PreprocessedFrame& frame, const FrameResult& result) {
+  if (options_.use_camera) landmarks_.Update(frame.tracks, frame.depths, result.T_odom_lidar);
+  if (!frame.has_scan || result.status == FrameStatus::kPredicted) return false;
   const Rigid3d T_lastkeyframe_cur =
-      map_.keyframes.empty()
-          ? Rigid3d()
-          : map_.keyframes.back().T_world_lidar.Inverse() * result->T_world_lidar;
-  result->is_keyframe =
-      IsKeyframe(T_lastkeyframe_cur, map_.keyframes.size(), options_.mapping.keyframes);
-  if (result->is_keyframe) AddKeyframe(*result, cloud, executor);
+      map_.keyframes.empty() ? Rigid3d()
+                             : map_.keyframes.back().T_odom_lidar.Inverse() * result.T_odom_lidar;
+  return IsKeyframe(T_lastkeyframe_cur, map_.keyframes.size(), options_.mapping.keyframes);
 }
 
-void SlamSystem::AddKeyframe(const FrameResult& result, const KeyframeCloud& cloud,
+void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
                              const Executor& executor) {
   Keyframe keyframe;
   keyframe.id = {0, static_cast<int32_t>(map_.keyframes.size())};
   keyframe.frame = result.id;
   keyframe.stamp = result.stamp;
-  keyframe.T_world_lidar = result.T_world_lidar;
   keyframe.path_m = path_m_;
-  keyframe.cloud = std::make_shared<const KeyframeCloud>(cloud);
-  local_map_.Add(keyframe, executor);
-  map_.keyframes.push_back(std::move(keyframe));
+  keyframe.T_odom_lidar = result.T_odom_lidar;
+  keyframe.T_world_lidar = map_.keyframes.empty()
+                               ? result.T_odom_lidar
+                               : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  map_.store->Put(keyframe.id.index, std::make_shared<const KeyframePayload>(std::move(payload)));
+  map_.keyframes.push_back(keyframe);
+  local_map_.Add(MemberOf(map_, map_.keyframes.size() - 1), executor);
 }
 
-MapCloud BuildMapCloud(const Map& map, double voxel_m) {
-  TVL_CHECK_INPUT(voxel_m > 0.0) << "map voxel: must be positive, is " << voxel_m;
-  VoxelHash<char> seen;
-  MapCloud cloud;
-  for (const Keyframe& keyframe : map.keyframes) {
-    for (const FeatureCloud* part : {&keyframe.cloud->planes, &keyframe.cloud->edges}) {
-      for (size_t i = 0; i < part->points.size(); ++i) {
-        const Eigen::Vector3d p = keyframe.T_world_lidar * part->points[i].cast<double>();
-        char& taken = seen[VoxelKey::Of(p, voxel_m)];
-        if (taken != 0) continue;
-        taken = 1;
-        cloud.points.push_back(p.cast<float>());
-        cloud.intensity.push_back(part->intensity[i]);
-      }
-    }
+void SlamSystem::CloseLoops(const Executor& executor) {
+  const Keyframe& keyframe = map_.keyframes.back();
+  LoopJob job{keyframe, Rigid3d(), keyframe_covariance_};
+  keyframe_covariance_.setZero();
+  if (map_.keyframes.size() > 1) {
+    const Keyframe& previous = map_.keyframes[map_.keyframes.size() - 2];
+    job.T_prev_cur = previous.T_odom_lidar.Inverse() * keyframe.T_odom_lidar;
   }
-  return cloud;
+  loop_thread_.Give([closer = loop_closer_, job] { return closer->Process(job); });
+  if (loop_thread_.pending() <= static_cast<size_t>(options_.loops.lag_keyframes)) return;
+  const LoopUpdate update = loop_thread_.Take();
+  Apply(update);
+  Connect(update.connected, executor);
+}
+
+void SlamSystem::Connect(const std::vector<int>& keyframes, const Executor& executor) {
+  const Keyframe& newest = map_.keyframes.back();
+  const Rigid3d T_odom_world = newest.T_odom_lidar * newest.T_world_lidar.Inverse();
+  std::vector<LocalMap::Connected> wanted;
+  for (const int index : keyframes) {
+    const Keyframe& keyframe = map_.keyframes[static_cast<size_t>(index)];
+    wanted.push_back({index, T_odom_world * keyframe.T_world_lidar});
+  }
+  local_map_.Connect(
+      wanted, [this](int index) { return map_.store->Cloud(index); }, executor);
+}
+
+void SlamSystem::Apply(const LoopUpdate& update) {
+  for (size_t i = 0; i < update.T_world_lidar.size(); ++i) {
+    map_.keyframes[i].T_world_lidar = update.T_world_lidar[i];
+  }
+  if (update.T_world_lidar.empty()) return;
+  for (size_t i = update.T_world_lidar.size(); i < map_.keyframes.size(); ++i) {
+    map_.keyframes[i].T_world_lidar =
+        ToWorld(map_.keyframes[i - 1], map_.keyframes[i].T_odom_lidar);
+  }
+}
+
+void SlamSystem::Finish() {
+  if (loop_closer_ == nullptr) return;
+  loop_thread_.Give([closer = loop_closer_] { return closer->Finish(); });
+  while (loop_thread_.pending() > 0) Apply(loop_thread_.Take());
 }
 
 }  // namespace tvl

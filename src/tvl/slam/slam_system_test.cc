@@ -214,22 +214,6 @@ TEST(SlamSystem, IsTheSameToTheByteForAnyThreadCount) {
   EXPECT_TRUE(one == Bytes(Play(drive, Deskew::kClockwise, SlamOptions(), 2)));
 }
 
-TEST(BuildMapCloud, KeepsOnePointAVoxel) {
-  auto cloud = std::make_shared<KeyframeCloud>();
-  cloud->planes = {{{0.1f, 0.1f, 0.1f}, {0.2f, 0.1f, 0.1f}, {1.1f, 0.1f, 0.1f}},
-                   {0.5f, 0.6f, 0.7f}};
-  cloud->edges = {{{1.2f, 0.2f, 0.2f}, {2.1f, 0.1f, 0.1f}}, {0.8f, 0.9f}};
-  Map map;
-  map.keyframes.resize(2);
-  for (Keyframe& keyframe : map.keyframes) keyframe.cloud = cloud;
-  map.keyframes[1].T_world_lidar = Rigid3d::Translation(0, 10, 0);
-  const MapCloud merged = BuildMapCloud(map, 1.0);
-  ASSERT_EQ(merged.points.size(), 6u);
-  EXPECT_EQ(merged.intensity, (std::vector<float>{0.5f, 0.7f, 0.9f, 0.5f, 0.7f, 0.9f}));
-  EXPECT_NEAR(merged.points[5].y(), 10.1f, 1e-5);
-  EXPECT_THROW(BuildMapCloud(map, 0.0), InputError);
-}
-
 TEST(SlamOptions, NameTheBadField) {
   SlamOptions options;
   options.mapping.interval = 0;
