@@ -24,7 +24,7 @@ struct Nearest {
   }
   bool IsDistinct(const FeatureMatchingOptions& options) const {
     return feature >= 0 && distance <= options.max_distance_bits &&
-           static_cast<double>(distance) <= options.max_ratio * static_cast<double>(second);
+           static_cast<double>(distance) < options.max_ratio * static_cast<double>(second);
   }
 };
 

@@ -152,7 +152,7 @@ NormalEquations TermOf(const Factor& factor, const Rigid3d& T_hc, double max_err
                           ? kFarthest_sq
                           : residual.r.squaredNorm() / (max_error_rad * max_error_rad);
   if (r_sq >= kFarthest_sq) {  // neither wanted nor pulled in: a constant
-    term.cost = 0.5 * kFarthest_sq;
+    term.cost = 0.5 * Huber(kFarthest_sq, kHuber).rho;
     return term;
   }
   const RobustValue robust = Huber(r_sq, kHuber);
