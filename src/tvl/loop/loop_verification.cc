@@ -77,33 +77,70 @@ std::vector<Eigen::Vector2f> RaisedFromAbove(const LoopSubmap& submap,
   return raised;
 }
 
-// A start after coarse registration.
+// Everything one verification works on.
+struct Scene {
+  const LoopSource& source;
+  const LoopSubmap& submap;
+  Rigid3d T_odom_history;
+  std::vector<Eigen::Vector2f> source_above, target_above;  // raised, from above; target: history
+  const LoopVerificationOptions& options;
+  const Executor& executor;
+};
+
+// A start after registration.
 struct Candidate {
   Rigid3d T_odom_current;
   LoopEvidence evidence;
-  double fit = 0.0;  // larger is better
 };
 
-double Fit(const LoopEvidence& evidence) { return evidence.overlap; }
-
-bool AreOne(const Rigid3d& a, const Rigid3d& b) {
-  const Rigid3d difference = a.Inverse() * b;
-  return difference.t().norm() < 1.0 && difference.RotationAngle() < 0.1;
-}
-
-// Second best of those that did not run to the same place, relative to the best (first).
-double Ambiguity(const std::vector<Candidate>& candidates) {
-  double second = 0.0;
-  for (const Candidate& candidate : candidates) {
-    if (AreOne(candidate.T_odom_current, candidates[0].T_odom_current)) continue;
-    second = std::max(second, candidate.fit);
+// Best first.
+std::vector<Candidate> RegisterPeaks(const Scene& scene, const std::vector<BevPeak>& peaks) {
+  const Rigid3d T_history_odom = scene.T_odom_history.Inverse();
+  std::vector<Candidate> candidates;
+  for (const BevPeak& peak : peaks) {
+    const Rigid3d start =
+        scene.T_odom_history * OnTheRoad(peak, T_history_odom, scene.submap.members());
+    Candidate candidate;
+    candidate.T_odom_current = RegisterCoarsely(scene.source, scene.submap, start,
+                                                scene.options.registration, scene.executor);
+    candidate.evidence = MeasureEvidence(scene.source, scene.submap, candidate.T_odom_current,
+                                         scene.options.evidence);
+    candidates.push_back(candidate);
   }
-  return candidates[0].fit <= 0.0 ? 1.0 : second / candidates[0].fit;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) {
+                     return a.evidence.overlap > b.evidence.overlap;
+                   });
+  return candidates;
 }
 
-LoopStatus Judge(const LoopVerdict& v, const LoopEvidence& evidence,
-                 const LoopVerificationOptions& options) {
-  if (evidence.planes < options.min_points || 2 * evidence.raised < options.min_points) {
+// The overlap of the best of `others` that is not the same alignment as `best`, relative to best's.
+double Ambiguity(const std::vector<Candidate>& others, const Candidate& best,
+                 const BevAlignmentOptions& options) {
+  if (best.evidence.overlap <= 0.0) return 1.0;
+  for (const Candidate& other : others) {
+    const Rigid3d difference = best.T_odom_current.Inverse() * other.T_odom_current;
+    const bool is_same = difference.t().norm() < 0.5 * options.peak_distance_m &&
+                         difference.RotationAngle() < options.peak_yaw_rad;
+    if (!is_same) return other.evidence.overlap / best.evidence.overlap;
+  }
+  return 0.0;
+}
+
+// Alignments round the one found, shifted but hardly turned.
+std::vector<Candidate> FindRivals(const Scene& scene, const Rigid3d& T_history_current) {
+  BevSearch search;
+  search.x_m = T_history_current.t().x();
+  search.y_m = T_history_current.t().y();
+  search.radius_m = scene.options.rival_radius_m;
+  search.yaw_rad = YawOf(T_history_current);
+  search.yaw_window_rad = scene.options.bev.yaw_step_rad;
+  return RegisterPeaks(scene, AlignBev(scene.target_above, scene.source_above, search,
+                                       scene.options.bev, scene.executor));
+}
+
+LoopStatus Judge(const LoopVerdict& v, int raised, const LoopVerificationOptions& options) {
+  if (v.points < options.min_points || 2 * raised < options.min_points) {
     return LoopStatus::kFewPoints;
   }
   if (v.rms_m > options.max_rms_m || v.raised_rms_m > options.max_raised_rms_m) {
@@ -128,6 +165,46 @@ std::string ReasonOf(const LoopVerdict& v) {
   return text.str();
 }
 
+Scene MakeScene(const LoopSource& source, const LoopSubmap& submap, const Rigid3d& T_odom_history,
+                const BevSearch& search, const LoopVerificationOptions& options,
+                const Executor& executor) {
+  Scene scene{source, submap, T_odom_history, {}, {}, options, executor};
+  const double reach_m = options.bev.range_m + std::hypot(search.x_m, search.y_m) +
+                         std::max(search.radius_m, options.rival_radius_m);
+  scene.target_above =
+      RaisedFromAbove(submap, T_odom_history.Inverse(), reach_m, options.source.raised_m);
+  for (const Eigen::Vector3f& p : source.raised) scene.source_above.emplace_back(p.x(), p.y());
+  return scene;
+}
+
+// Registers the best start finely and judges it.
+LoopVerdict Decide(const Scene& scene, double coarse_score, const std::vector<Candidate>& starts) {
+  const LoopRegistration fine = RegisterFinely(scene.source, scene.submap, starts[0].T_odom_current,
+                                               scene.options.registration, scene.executor);
+  const Candidate best{
+      fine.T_odom_current,
+      MeasureEvidence(scene.source, scene.submap, fine.T_odom_current, scene.options.evidence)};
+  LoopVerdict verdict;
+  verdict.T_history_current = scene.T_odom_history.Inverse() * fine.T_odom_current;
+  verdict.covariance = fine.covariance;
+  verdict.rms_m = best.evidence.rms_m;
+  verdict.raised_rms_m = best.evidence.raised_rms_m;
+  verdict.overlap = best.evidence.overlap;
+  verdict.ambiguity = Ambiguity(starts, best, scene.options.bev);
+  verdict.coarse_score = coarse_score;
+  verdict.translation_ratio = fine.translation_ratio;
+  verdict.rotation_ratio = fine.rotation_ratio;
+  verdict.points = best.evidence.planes;
+  verdict.status = Judge(verdict, best.evidence.raised, scene.options);
+  if (verdict.accepted()) {
+    const std::vector<Candidate> rivals = FindRivals(scene, verdict.T_history_current);
+    verdict.ambiguity = std::max(verdict.ambiguity, Ambiguity(rivals, best, scene.options.bev));
+    verdict.status = Judge(verdict, best.evidence.raised, scene.options);
+  }
+  verdict.reason = ReasonOf(verdict);
+  return verdict;
+}
+
 }  // namespace
 
 void LoopVerificationOptions::Check() const {
@@ -140,10 +217,13 @@ void LoopVerificationOptions::Check() const {
       << "loop_verification.*_radius_m: must be positive";
   TVL_CHECK_INPUT(pose_yaw_rad >= 0.0 && yaw_yaw_rad >= 0.0 && graph_yaw_rad >= 0.0)
       << "loop_verification.*_yaw_rad: must not be negative";
+  TVL_CHECK_INPUT(rival_radius_m > 0.0) << "loop_verification.rival_radius_m: must be positive";
   TVL_CHECK_INPUT(max_rms_m > 0.0 && max_raised_rms_m > 0.0)
       << "loop_verification.max_rms_m, max_raised_rms_m: must be positive";
   TVL_CHECK_INPUT(min_overlap >= 0.0 && min_overlap <= 1.0)
       << "loop_verification.min_overlap: must be in 0..1";
+  TVL_CHECK_INPUT(max_ambiguity > 0.0 && max_ambiguity <= 1.0)
+      << "loop_verification.max_ambiguity: must be in 0..1";
   TVL_CHECK_INPUT(min_points >= 1) << "loop_verification.min_points: must be at least 1";
 }
 
@@ -152,26 +232,15 @@ LoopVerifier::LoopVerifier(const LoopVerificationOptions& options)
   options_.Check();
 }
 
-const LoopSource& LoopVerifier::SourceOf(int current, const VerificationInput& input) {
-  if (current != source_of_) {
-    source_ = AssembleSource(current, input.T_odom_lidar, input.cloud, options_.source);
-    source_of_ = current;
+void LoopVerifier::MoveTo(const LoopProposal& proposal, const VerificationInput& input,
+                          const Executor& executor) {
+  if (proposal.current != source_of_) {
+    source_ = AssembleSource(proposal.current, input.T_odom_lidar, input.cloud, options_.source);
+    source_of_ = proposal.current;
   }
-  return source_;
-}
-
-std::vector<BevPeak> LoopVerifier::FindStarts(const LoopProposal& proposal,
-                                              const VerificationInput& input,
-                                              const Executor& executor) const {
-  const BevSearch search = SearchOf(proposal, input, options_);
-  const Rigid3d T_history_odom =
-      input.T_odom_lidar[static_cast<size_t>(proposal.history)].Inverse();
-  const double reach_m = options_.bev.range_m + search.radius_m;
-  const std::vector<Eigen::Vector2f> target =
-      RaisedFromAbove(submap_, T_history_odom, 1.5 * reach_m, options_.source.raised_m);
-  std::vector<Eigen::Vector2f> source;
-  for (const Eigen::Vector3f& p : source_.raised) source.emplace_back(p.x(), p.y());
-  return AlignBev(target, source, search, options_.bev, executor);
+  // The submap must not hold what is laid over it.
+  const int end = std::max(proposal.history + 1, proposal.current - options_.source.keyframes_back);
+  submap_.MoveTo(proposal.history, end, input.T_odom_lidar, input.cloud, executor);
 }
 
 LoopVerdict LoopVerifier::Verify(const LoopProposal& proposal, const VerificationInput& input,
@@ -179,47 +248,19 @@ LoopVerdict LoopVerifier::Verify(const LoopProposal& proposal, const Verificatio
   TVL_CHECK(proposal.history >= 0 && proposal.history < proposal.current &&
             proposal.current < static_cast<int>(input.T_odom_lidar.size()))
       << "loop of keyframes " << proposal.history << ", " << proposal.current;
-  const LoopSource& source = SourceOf(proposal.current, input);
-  const int end = std::max(proposal.history + 1, proposal.current - options_.source.keyframes_back);
-  submap_.MoveTo(proposal.history, end, input.T_odom_lidar, input.cloud, executor);
+  MoveTo(proposal, input, executor);
   const Rigid3d& T_odom_history = input.T_odom_lidar[static_cast<size_t>(proposal.history)];
-
-  LoopVerdict verdict;
-  std::vector<Candidate> candidates;
-  for (const BevPeak& peak : FindStarts(proposal, input, executor)) {
-    verdict.coarse_score = std::max(verdict.coarse_score, peak.score);
-    const Rigid3d start =
-        T_odom_history * OnTheRoad(peak, T_odom_history.Inverse(), submap_.members());
-    Candidate candidate;
-    candidate.T_odom_current =
-        RegisterCoarsely(source, submap_, start, options_.registration, executor);
-    candidate.evidence =
-        MeasureEvidence(source, submap_, candidate.T_odom_current, options_.evidence);
-    candidate.fit = Fit(candidate.evidence);
-    candidates.push_back(candidate);
-  }
-  if (candidates.empty()) {
+  const BevSearch search = SearchOf(proposal, input, options_);
+  const Scene scene = MakeScene(source_, submap_, T_odom_history, search, options_, executor);
+  const std::vector<BevPeak> peaks =
+      AlignBev(scene.target_above, scene.source_above, search, options_.bev, executor);
+  if (peaks.empty()) {
+    LoopVerdict verdict;
     verdict.reason = ReasonOf(verdict);
     return verdict;
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.fit > b.fit; });
-  const LoopRegistration fine = RegisterFinely(source, submap_, candidates[0].T_odom_current,
-                                               options_.registration, executor);
-  const LoopEvidence evidence =
-      MeasureEvidence(source, submap_, fine.T_odom_current, options_.evidence);
-  verdict.T_history_current = T_odom_history.Inverse() * fine.T_odom_current;
-  verdict.covariance = fine.covariance;
-  verdict.rms_m = evidence.rms_m;
-  verdict.raised_rms_m = evidence.raised_rms_m;
-  verdict.overlap = evidence.overlap;
-  verdict.ambiguity = Ambiguity(candidates);
-  verdict.translation_ratio = fine.translation_ratio;
-  verdict.rotation_ratio = fine.rotation_ratio;
-  verdict.points = evidence.planes;
-  verdict.status = Judge(verdict, evidence, options_);
-  verdict.reason = ReasonOf(verdict);
-  return verdict;
+  const std::vector<Candidate> starts = RegisterPeaks(scene, peaks);
+  return Decide(scene, peaks[0].score, starts);
 }
 
 }  // namespace tvl

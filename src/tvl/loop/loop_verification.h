@@ -29,13 +29,19 @@ struct LoopVerificationOptions {
   double yaw_radius_m = 10.0, yaw_yaw_rad = 0.2;    // a lidar descriptor: metres, some degrees
   double graph_yaw_rad = 0.26;                      // the graph: 15 degrees
 
+  // A place that fits itself after a shift could be mistaken for its neighbour: rows of identical
+  // houses. Such shifts are looked for this far round the alignment found.
+  double rival_radius_m = 25.0;
+
   double max_rms_m = 0.3;  // paper 6.3
-  double max_raised_rms_m = 0.3;
-  double min_overlap = 0.4;  // design 4.7
-  double max_ambiguity = 0.9;
-  double min_translation_ratio = 0.008;  // see WeaknessOptions
-  double min_rotation_ratio = 0.0003;
-  int min_points = 200;  // planes, and half as many raised voxels
+  // Of points above the ground alone, which fit no other place: true loops stay below 0.5, others
+  // above 0.6 (measured).
+  double max_raised_rms_m = 0.55;
+  double min_overlap = 0.4;    // design 4.7; true loops have 0.6 and more, others less than 0.3
+  double max_ambiguity = 0.8;  // true loops stay below 0.7 (measured)
+  // As for scan matching, see WeaknessOptions: a corridor's axis is not held.
+  double min_translation_ratio = 0.008, min_rotation_ratio = 0.0003;
+  int min_points = 200;  // plane points that can be judged, and half as many raised voxels
   void Check() const;
 };
 
@@ -58,9 +64,8 @@ class LoopVerifier {
                      const Executor& executor);
 
  private:
-  const LoopSource& SourceOf(int current, const VerificationInput& input);
-  std::vector<BevPeak> FindStarts(const LoopProposal& proposal, const VerificationInput& input,
-                                  const Executor& executor) const;
+  void MoveTo(const LoopProposal& proposal, const VerificationInput& input,
+              const Executor& executor);
 
   LoopVerificationOptions options_;
   LoopSubmap submap_;
