@@ -28,7 +28,8 @@ struct LidarDescriptorOptions {
   // kept: they move, but tell the houses of a street apart.
   double min_height_m = 0.5;
   double max_height_m = 6.0;
-  // The ground is the lowest point of each cell of this size, and no steeper than the slope.
+  // The ground is the lowest tenth of the points of each cell of this size, no steeper than the
+  // slope.
   double ground_cell_m = 4.0;
   double ground_slope = 0.25;
   // Wavelengths that make up the signature: from streets and house lengths to parked cars.

@@ -8,6 +8,9 @@ namespace tvl {
 namespace {
 
 constexpr float kLayer_m = 0.5F;
+// One point in so many may lie below the ground: reflections in car bodies and wet streets do, and
+// one of them would turn the street for 10 m around it into something standing.
+constexpr size_t kGhostShare = 10;
 
 // Cells of a square image about the sensor.
 struct SquareGrid {
@@ -19,7 +22,7 @@ struct SquareGrid {
         side(cells) {}
   int Coordinate(float v) const { return static_cast<int>((v + range_m) * per_m); }
   bool Holds(const Eigen::Vector3f& p) const {
-    return std::abs(p.x()) < range_m && std::abs(p.y()) < range_m;
+    return std::abs(p.x()) < range_m && std::abs(p.y()) < range_m && std::isfinite(p.z());
   }
   size_t At(const Eigen::Vector3f& p) const {
     const int x = std::min(Coordinate(p.x()), side - 1), y = std::min(Coordinate(p.y()), side - 1);
@@ -58,13 +61,18 @@ float PlaceCell::weight() const { return std::sqrt(static_cast<float>(layers)); 
 std::vector<float> GroundHeights(const KeyframeCloud& cloud, int side,
                                  const LidarDescriptorOptions& options) {
   const SquareGrid grid(options.range_m, side);
-  std::vector<float> height(static_cast<size_t>(side * side),
-                            std::numeric_limits<float>::infinity());
+  std::vector<std::vector<float>> columns(static_cast<size_t>(side * side));
   ForEachPoint(cloud, [&](const Eigen::Vector3f& p) {
-    if (!grid.Holds(p)) return;
-    float& h = height[grid.At(p)];
-    h = std::min(h, p.z());
+    if (grid.Holds(p)) columns[grid.At(p)].push_back(p.z());
   });
+  std::vector<float> height(columns.size(), std::numeric_limits<float>::infinity());
+  for (size_t i = 0; i < columns.size(); ++i) {
+    std::vector<float>& z = columns[i];
+    if (z.empty()) continue;
+    const auto low = z.begin() + static_cast<std::ptrdiff_t>(z.size() / kGhostShare);
+    std::nth_element(z.begin(), low, z.end());
+    height[i] = *low;
+  }
   const float rise = static_cast<float>(options.ground_slope) / grid.per_m;
   Sweep(&height, side, rise, false);
   Sweep(&height, side, rise, true);

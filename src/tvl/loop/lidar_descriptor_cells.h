@@ -8,9 +8,10 @@
 
 namespace tvl {
 
-// Lowest surface under the points on a square grid of `side` cells about the sensor: no higher than
-// the lowest point of its cell, rising no faster than ground_slope. Row by row, y then x. Cells
-// hear of their neighbours' points, so those that hold a wall but no ground get it right.
+// The ground under the points on a square grid of `side` cells about the sensor: no higher than the
+// lowest tenth of the points of its cell, rising no faster than ground_slope. Row by row, y then x.
+// Cells hear of their neighbours' points, so those that hold a wall but no ground get it right.
+// Infinite where there are no points at all.
 std::vector<float> GroundHeights(const KeyframeCloud& cloud, int side,
                                  const LidarDescriptorOptions& options);
 

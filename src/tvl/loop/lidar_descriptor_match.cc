@@ -15,6 +15,8 @@ namespace {
 constexpr int kRings = LidarDescriptor::kRings, kAngles = LidarDescriptor::kAngles;
 // The half turn that fits worse at the coarse level is dropped unless it is this close.
 constexpr double kSecondTurn = 0.85;
+// Shifts this far apart are different placements: cars and door steps are smaller.
+constexpr double kElsewhere_m = 3.0;
 // Pattern search: first and last step; the yaw's step is what moves a point at 20 m as far.
 constexpr double kFirstStep_m = 0.6, kLastStep_m = 0.1, kLever_m = 20.0;
 
@@ -79,7 +81,8 @@ PlaceMatcher::PlaceMatcher(const LidarDescriptor& current, double max_offset_m,
   cv::dft(PlaceImage(current.cells, 0.0, options.grid() / 2, options), coarse_);
 }
 
-PlaceMatcher::Placement PlaceMatcher::Coarse(const LidarDescriptor& history, double yaw_rad) const {
+PlaceMatcher::CoarseResult PlaceMatcher::Coarse(const LidarDescriptor& history,
+                                                double yaw_rad) const {
   const int side = coarse_.rows;
   const double pixel_m = 2.0 * options_.range_m / side;
   cv::Mat correlation;
@@ -87,15 +90,23 @@ PlaceMatcher::Placement PlaceMatcher::Coarse(const LidarDescriptor& history, dou
   cv::mulSpectrums(coarse_, correlation, correlation, 0, true);
   cv::dft(correlation, correlation, cv::DFT_INVERSE | cv::DFT_SCALE);
   const int reach = std::min(static_cast<int>(max_offset_m_ / pixel_m), side / 2 - 1);
-  Placement best{yaw_rad, 0.0, 0.0, -1.0};
-  for (int y = -reach; y <= reach; ++y) {
-    const float* row = correlation.ptr<float>((y + side) % side);
-    for (int x = -reach; x <= reach; ++x) {
-      const float value = row[(x + side) % side];
-      if (value > best.correlation) best = {yaw_rad, x * pixel_m, y * pixel_m, value};
+  const auto for_each_shift = [&](const auto& body) {
+    for (int y = -reach; y <= reach; ++y) {
+      const float* row = correlation.ptr<float>((y + side) % side);
+      for (int x = -reach; x <= reach; ++x) body(x, y, row[(x + side) % side]);
     }
-  }
-  return best;
+  };
+  int best_x = 0, best_y = 0;
+  float best = -1.0F, elsewhere = 0.0F;
+  for_each_shift([&](int x, int y, float value) {
+    if (value > best) best = value, best_x = x, best_y = y;
+  });
+  for_each_shift([&](int x, int y, float value) {
+    if (std::hypot(x - best_x, y - best_y) * pixel_m >= kElsewhere_m) {
+      elsewhere = std::max(elsewhere, value);
+    }
+  });
+  return {{yaw_rad, best_x * pixel_m, best_y * pixel_m, best}, elsewhere};
 }
 
 double PlaceMatcher::Correlation(const std::vector<PlaceCell>& history, const Placement& at) const {
@@ -139,12 +150,15 @@ PlaceMatch PlaceMatcher::Match(const LidarDescriptor& history) const {
   PlaceMatch match;
   if (!(history.energy > 0.0F) || !(energy_ > 0.0F)) return match;
   const double yaw = SpectrumYaw(history.spectrum, spectrum_);
-  Placement first = Coarse(history, yaw), second = Coarse(history, yaw + kPi);
-  if (second.correlation > first.correlation) std::swap(first, second);
-  Placement best = Refined(history, first);
-  if (second.correlation > kSecondTurn * first.correlation) {
-    const Placement other = Refined(history, second);
+  CoarseResult first = Coarse(history, yaw), second = Coarse(history, yaw + kPi);
+  if (second.best.correlation > first.best.correlation) std::swap(first, second);
+  Placement best = Refined(history, first.best);
+  if (second.best.correlation > kSecondTurn * first.best.correlation) {
+    const Placement other = Refined(history, second.best);
     if (other.correlation > best.correlation) best = other;
+  }
+  if (first.best.correlation > 0.0) {
+    match.ambiguity = std::max(first.elsewhere, second.best.correlation) / first.best.correlation;
   }
   // p_current = R(-yaw) p_history + shift, so T_history_current = (yaw, -R(yaw) shift).
   const double c = std::cos(best.yaw_rad), s = std::sin(best.yaw_rad);

@@ -15,6 +15,9 @@ float PlaceEnergy(const std::vector<PlaceCell>& cells, const LidarDescriptorOpti
 struct PlaceMatch {
   double yaw_rad = 0.0, x_m = 0.0, y_m = 0.0;
   double similarity = 0.0;  // 0..1
+  // How well another placement fits, as a share of the best: the other half turn, or shifted by 3 m
+  // or more. Near 1 between hedges that look alike all along.
+  double ambiguity = 1.0;
 };
 
 // One current place, made ready to be compared with many of the past. Yaw mod half a turn from the
@@ -35,7 +38,12 @@ class PlaceMatcher {
     double yaw_rad, shift_x_m, shift_y_m;
     double correlation;
   };
-  Placement Coarse(const LidarDescriptor& history, double yaw_rad) const;
+  // The best shift at one yaw, and the correlation of the best one elsewhere.
+  struct CoarseResult {
+    Placement best;
+    double elsewhere = 0.0;
+  };
+  CoarseResult Coarse(const LidarDescriptor& history, double yaw_rad) const;
   Placement Refined(const LidarDescriptor& history, Placement start) const;
   double Correlation(const std::vector<PlaceCell>& history, const Placement& at) const;
 

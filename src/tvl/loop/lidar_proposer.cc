@@ -11,12 +11,12 @@
 namespace tvl {
 namespace {
 
-LoopProposal ToProposal(int history, int current, const PlaceMatch& match) {
+LoopProposal ToProposal(int history, int current, const PlaceMatch& match, double max_ambiguity) {
   LoopProposal proposal;
   proposal.history = history;
   proposal.current = current;
   proposal.proposer = LoopProposer::kLidar;
-  proposal.guess = LoopGuess::kPose;
+  proposal.guess = match.ambiguity < max_ambiguity ? LoopGuess::kPose : LoopGuess::kYaw;
   proposal.T_history_current =
       Rigid3d(ExpSo3({0.0, 0.0, match.yaw_rad}), Eigen::Vector3d(match.x_m, match.y_m, 0.0));
   proposal.score = match.similarity;
@@ -31,6 +31,8 @@ void LidarProposerOptions::Check() const {
   TVL_CHECK_INPUT(max_offset_m > 0.0) << "max_offset_m must be positive: " << max_offset_m;
   TVL_CHECK_INPUT(min_similarity >= 0.0 && min_similarity <= 1.0)
       << "min_similarity must be between 0 and 1: " << min_similarity;
+  TVL_CHECK_INPUT(max_ambiguity >= 0.0 && max_ambiguity <= 1.0)
+      << "max_ambiguity must be between 0 and 1: " << max_ambiguity;
   TVL_CHECK_INPUT(max_proposals >= 1) << "max_proposals must be at least 1: " << max_proposals;
 }
 
@@ -92,7 +94,7 @@ std::vector<LoopProposal> LidarProposer::Propose(const KeyframeTrack& track, int
   for (const int k : shortlist) {
     const PlaceMatch match = matcher.Match(descriptors_[static_cast<size_t>(k)]);
     if (match.similarity < options_.min_similarity) continue;
-    ranked.push_back(ToProposal(k, current, match));
+    ranked.push_back(ToProposal(k, current, match, options_.max_ambiguity));
   }
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const LoopProposal& a, const LoopProposal& b) { return a.score > b.score; });
