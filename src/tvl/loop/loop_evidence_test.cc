@@ -1,0 +1,129 @@
+#include "tvl/loop/loop_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "tvl/base/check.h"
+#include "tvl/loop/test_passes.h"
+
+namespace tvl {
+namespace {
+
+using synthetic::Passes;
+
+TEST(TrimmedRms, IsThatOfTheBest) {
+  EXPECT_DOUBLE_EQ(TrimmedRms_m({}, 0.8), 0.0);
+  EXPECT_DOUBLE_EQ(TrimmedRms_m({100.0, 3.0, 1.0, 1.0, 3.0}, 0.8), std::sqrt(20.0 / 4.0));
+  EXPECT_DOUBLE_EQ(TrimmedRms_m({2.0, 4.0}, 1.0), std::sqrt(10.0));
+}
+
+struct Fixture {
+  Passes passes =
+      synthetic::TwoPasses(synthetic::RandomHouses(1), synthetic::RandomHouses(1), false);
+  LoopSubmapOptions submap_options;
+  LoopSubmap submap{submap_options};
+  LoopSource source;
+  Rigid3d T_odom_current;  // true
+
+  Fixture() {
+    submap.MoveTo(20, 41, passes.T_odom_lidar, passes.Source(), Executor(1));
+    source = AssembleSource(56, passes.T_odom_lidar, passes.Source(), {});
+    T_odom_current = passes.T_odom_lidar[20] * passes.Truth_T_history_current(20, 56);
+  }
+};
+
+TEST(LoopEvidence, IsItsDefinition) {
+  const Fixture f;
+  const Rigid3d T = f.T_odom_current * Rigid3d::Translation(0.4, 0.1, 0.05);
+  LoopEvidenceOptions options;
+  options.coverage_m = 300.0;  // all of it
+  const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, T, options);
+
+  std::vector<double> all, raised;
+  for (size_t i = 0; i < f.source.planes.size(); ++i) {
+    const Eigen::Vector3d p = T * f.source.planes[i].cast<double>();
+    const Surfel* s = f.submap.planes().Find(p);
+    const double d = s == nullptr ? 1.0 : std::min(1.0, std::abs((p - s->mean).dot(s->axis)));
+    all.push_back(d);
+    if (f.source.plane_is_raised[i] != 0) raised.push_back(d);
+  }
+  EXPECT_DOUBLE_EQ(evidence.rms_m, TrimmedRms_m(all, 0.8));
+  EXPECT_DOUBLE_EQ(evidence.raised_rms_m, TrimmedRms_m(raised, 0.8));
+
+  std::set<std::tuple<double, double, double>> occupied;
+  for (const Eigen::Vector3d& c : f.submap.OccupiedCentres())
+    occupied.insert({c.x(), c.y(), c.z()});
+  int met = 0;
+  for (const Eigen::Vector3f& point : f.source.raised) {
+    const Eigen::Vector3d p = T * point.cast<double>();
+    const auto centre = [](double x) { return 0.5 * (std::floor(x / 0.5) + 0.5); };
+    met += static_cast<int>(occupied.count({centre(p.x()), centre(p.y()), centre(p.z())}));
+  }
+  EXPECT_EQ(evidence.raised, static_cast<int>(f.source.raised.size()));
+  EXPECT_DOUBLE_EQ(evidence.overlap, static_cast<double>(met) / evidence.raised);
+}
+
+TEST(LoopEvidence, TheTruthFitsAndAShiftDoesNot) {
+  const Fixture f;
+  const LoopEvidence truth = MeasureEvidence(f.source, f.submap, f.T_odom_current, {});
+  EXPECT_LT(truth.rms_m, 0.05);
+  EXPECT_LT(truth.raised_rms_m, 0.1);
+  EXPECT_GT(truth.overlap, 0.7);
+  const Rigid3d T_shifted = f.T_odom_current * Rigid3d::Translation(5.0, 0.5, 0.0);
+  const LoopEvidence shifted = MeasureEvidence(f.source, f.submap, T_shifted, {});
+  EXPECT_GT(shifted.raised_rms_m, 2.0 * truth.raised_rms_m);
+  EXPECT_LT(shifted.overlap, 0.4);
+  EXPECT_LT(shifted.rms_m, shifted.raised_rms_m) << "the ground fits everywhere";
+}
+
+TEST(LoopEvidence, CountsOnlyWhatTheHistoryCouldSee) {
+  const Fixture f;
+  LoopEvidenceOptions options;
+  options.coverage_m = 10.0;
+  const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, f.T_odom_current, options);
+  int near = 0;
+  for (const Eigen::Vector3f& point : f.source.raised) {
+    const Eigen::Vector3d p = f.T_odom_current * point.cast<double>();
+    near += p.x() > -2.0 && p.x() < 52.0 ? 1 : 0;  // keyframes stand at x = 10..50 (world)
+  }
+  EXPECT_GT(evidence.raised, 0);
+  EXPECT_LT(evidence.raised, static_cast<int>(f.source.raised.size()));
+  EXPECT_LE(evidence.raised, near);
+  const Rigid3d T_far = f.T_odom_current * Rigid3d::Translation(0.0, 400.0, 0.0);
+  EXPECT_EQ(MeasureEvidence(f.source, f.submap, T_far, options).raised, 0);
+}
+
+TEST(LoopSource, PutsTheStretchIntoTheCurrentFrame) {
+  const Fixture f;
+  LoopSourceOptions alone;
+  alone.keyframes_back = 0;
+  const LoopSource one = AssembleSource(56, f.passes.T_odom_lidar, f.passes.Source(), alone);
+  EXPECT_GT(f.source.raised.size(), one.raised.size());
+  const Rigid3d T_world_current = f.passes.T_world_lidar[56];
+  int on_ground = 0;
+  for (size_t i = 0; i < f.source.planes.size(); ++i) {
+    const Eigen::Vector3d p = T_world_current * f.source.planes[i].cast<double>();
+    const bool is_ground = std::abs(p.z() + 1.7) < 0.15;
+    on_ground += is_ground ? 1 : 0;
+    EXPECT_TRUE(!is_ground || f.source.plane_is_raised[i] == 0);
+    EXPECT_TRUE(std::abs(p.y()) > 2.0 || is_ground) << "the lane is free: " << p.transpose();
+  }
+  EXPECT_GT(on_ground, 300);
+  for (const Eigen::Vector3f& point : f.source.raised) {
+    EXPECT_GT((T_world_current * point.cast<double>()).z(), -1.2);
+  }
+}
+
+TEST(LoopSource, ReachesBackNoFurtherThanTheFirstKeyframe) {
+  const Fixture f;
+  const LoopSource source = AssembleSource(0, f.passes.T_odom_lidar, f.passes.Source(), {});
+  EXPECT_FALSE(source.planes.empty());
+  EXPECT_THROW(AssembleSource(57, f.passes.T_odom_lidar, f.passes.Source(), {}), Error);
+}
+
+}  // namespace
+}  // namespace tvl
