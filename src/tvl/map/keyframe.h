@@ -38,6 +38,10 @@ struct Keyframe {
   double path_m = 0.0;  // length driven up to here
   Rigid3d T_odom_lidar;
   Rigid3d T_world_lidar;
+  // The odometry's motion since the keyframe before, and its covariance (right perturbation,
+  // [rotation, translation]); identity and zero for the first.
+  Rigid3d T_prev_cur;
+  Matrix6d covariance = Matrix6d::Zero();
 };
 
 }  // namespace tvl

@@ -1,43 +1,347 @@
 #include "tvl/slam/loop_closer.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tvl/base/check.h"
+#include "tvl/base/stopwatch.h"
+#include "tvl/loop/vocabulary_file.h"
+#include "tvl/slam/loop_consistency.h"
 
 namespace tvl {
+namespace {
 
-void LoopOptions::Check() const {
-  TVL_CHECK_INPUT(lag_keyframes >= 0) << "loops.lag_keyframes: must not be negative";
+std::shared_ptr<const Vocabulary> LoadVocabulary(const std::string& path) {
+  return std::make_shared<const Vocabulary>(path.empty() ? DefaultVocabulary()
+                                                         : ReadVocabulary(path));
 }
 
-struct LoopCloser::Impl {
-  LoopOptions options;
-  std::shared_ptr<const KeyframeStore> store;
-  std::vector<Rigid3d> T_world;
+Matrix6d InformationOf(const Matrix6d& covariance) {
+  return covariance.ldlt().solve(Matrix6d::Identity());
+}
+
+}  // namespace
+
+const char* ToString(LoopOutcome outcome) {
+  switch (outcome) {
+    case LoopOutcome::kAccepted:
+      return "accepted";
+    case LoopOutcome::kRefused:
+      return "refused";
+    case LoopOutcome::kInconsistent:
+      return "inconsistent";
+    case LoopOutcome::kUnsupported:
+      return "unsupported";
+    case LoopOutcome::kCovered:
+      return "covered";
+    case LoopOutcome::kNotVerified:
+      return "not_verified";
+    case LoopOutcome::kDropped:
+      return "dropped";
+  }
+  return "unknown";
+}
+
+class LoopCloser::Impl {
+ public:
+  Impl(const LoopOptions& options, const Calibration& calibration,
+       std::shared_ptr<const KeyframeStore> store)
+      : options_(options),
+        store_(std::move(store)),
+        visual_(LoadVocabulary(options.vocabulary), calibration, options.visual),
+        lidar_(options.lidar_descriptor, options.lidar),
+        verifier_(options.verification),
+        graph_(options.graph) {}
+
+  void Add(const Keyframe& keyframe, LoopTimes* times);
+  std::vector<LoopProposal> Propose(int current, LoopTimes* times);
+  // Verifies the proposals of one keyframe; returns the numbers of newly accepted records.
+  void Judge(const std::vector<LoopProposal>& proposals, LoopTimes* times);
+  // Puts the loops accepted since the last call into the graph; false if there are none.
+  bool Close(LoopTimes* times);
+  void LookAgain();
+  void Polish();
+  std::vector<int> ConnectedTo(int keyframe) const;
+
+  int last() const { return track_.size() - 1; }
+  const std::vector<Rigid3d>& poses() const { return track_.T_world_lidar; }
+  LoopReport report;
+
+ private:
+  struct Pending {
+    MeasuredLoop loop;
+    size_t record = 0;
+  };
+  size_t Index(int keyframe) const { return static_cast<size_t>(keyframe); }
+  double DistanceBetween(int a, int b) const {
+    return (poses()[Index(a)].t() - poses()[Index(b)].t()).norm();
+  }
+  LoopRecord Verify(const LoopProposal& proposal, double linked_path_m);
+  void Weigh(size_t record);
+  void Accept(const Pending& pending);
+  bool IsCovered(const LoopProposal& proposal, const std::vector<LoopRecord>& judged) const;
+  std::vector<double> LinkedPathOf(int keyframe) const {
+    return LinkedPath(track_.path_m, links_, keyframe);
+  }
+
+  LoopOptions options_;
+  std::shared_ptr<const KeyframeStore> store_;
+  VisualProposer visual_;
+  LidarProposer lidar_;
+  LoopVerifier verifier_;
+  IncrementalPoseGraph graph_;
+  KeyframeTrack track_;
+  std::vector<Rigid3d> T_odom_lidar_;
+  std::vector<FrameId> frames_;
+  std::vector<LoopLink> links_;       // accepted
+  std::vector<char> has_loop_;        // by keyframe: the current one of an accepted loop
+  std::vector<Pending> pending_;      // verified, waiting for support
+  std::vector<PoseConstraint> new_;   // accepted, not yet in the graph
+  std::vector<size_t> loop_records_;  // of each loop in the graph
+  Executor executor_{1};
 };
 
-LoopCloser::LoopCloser(const LoopOptions& options, const Calibration&,
-                       std::shared_ptr<const KeyframeStore> store)
-    : impl_(std::make_unique<Impl>()) {
-  options.Check();
-  impl_->options = options;
-  impl_->store = std::move(store);
+void LoopCloser::Impl::Add(const Keyframe& keyframe, LoopTimes* times) {
+  const Stopwatch watch;
+  const int index = keyframe.id.index;
+  TVL_CHECK(index == track_.size()) << "loop closer: keyframe " << index << " out of turn";
+  T_odom_lidar_.push_back(keyframe.T_odom_lidar);
+  frames_.push_back(keyframe.frame);
+  has_loop_.push_back(0);
+  if (index == 0) {
+    graph_.AddFirst(keyframe.T_odom_lidar);
+  } else {
+    graph_.AddKeyframe({index - 1, index, keyframe.T_prev_cur, InformationOf(keyframe.covariance)});
+  }
+  track_.stamp.push_back(keyframe.stamp);
+  track_.path_m.push_back(keyframe.path_m);
+  track_.T_world_lidar = graph_.estimates();
+  times->graph_ms = watch.ElapsedMs();
+  const Stopwatch describe;
+  const std::shared_ptr<const KeyframePayload> payload = store_->Get(index);
+  if (options_.use_visual) visual_.Add(payload->image);
+  if (options_.use_lidar) lidar_.Add(DescribePlace(payload->cloud, options_.lidar_descriptor));
+  times->describe_ms = describe.ElapsedMs();
 }
+
+std::vector<LoopProposal> LoopCloser::Impl::Propose(int current, LoopTimes* times) {
+  const int eligible = EligibleHistory(track_, current, options_.separation);
+  if (eligible == 0) return {};
+  const std::vector<double> linked_m = LinkedPathOf(current);
+  std::vector<LoopProposal> all;
+  const auto add = [&](const std::vector<LoopProposal>& some) {
+    all.insert(all.end(), some.begin(), some.end());
+  };
+  Stopwatch watch;
+  if (options_.use_visual) {
+    const DriftRadius radius = options_.drift.visual();
+    const auto may_match = [&](int history) {
+      return history < eligible &&
+             DistanceBetween(history, current) <= radius.Of(linked_m[Index(history)]);
+    };
+    add(visual_
+            .Propose(
+                current, [this](int k) { return store_->Image(k); }, may_match)
+            .proposals);
+  }
+  times->propose_visual_ms = watch.LapMs();
+  if (options_.use_vicinity) {
+    add(ProposeVicinity(track_, current, linked_m, options_.drift.vicinity(), options_.separation,
+                        options_.vicinity));
+  }
+  times->propose_vicinity_ms = watch.LapMs();
+  if (options_.use_lidar) {
+    add(lidar_.Propose(track_, current, linked_m, options_.drift.lidar(), options_.separation));
+  }
+  times->propose_lidar_ms = watch.LapMs();
+  // Where the graph is tight its own guess is the best there is.
+  const auto rank = [&](const LoopProposal& p) {
+    if (p.guess != LoopGuess::kNone) return p.proposer == LoopProposer::kVisual ? 1 : 2;
+    return linked_m[Index(p.history)] <= options_.consistency.linked_path_m ? 0 : 3;
+  };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const LoopProposal& a, const LoopProposal& b) { return rank(a) < rank(b); });
+  return all;
+}
+
+bool LoopCloser::Impl::IsCovered(const LoopProposal& proposal,
+                                 const std::vector<LoopRecord>& judged) const {
+  return std::any_of(judged.begin(), judged.end(), [&](const LoopRecord& record) {
+    const double apart_m = std::abs(track_.path_m[Index(proposal.history)] -
+                                    track_.path_m[Index(record.proposal.history)]);
+    return record.verdict.accepted() && apart_m < options_.separation.pass_gap_m;
+  });
+}
+
+LoopRecord LoopCloser::Impl::Verify(const LoopProposal& proposal, double linked_path_m) {
+  LoopRecord record;
+  const Rigid3d T_history_current =
+      poses()[Index(proposal.history)].Inverse() * poses()[Index(proposal.current)];
+  const double radius_m =
+      std::min(options_.drift.vicinity().Of(linked_path_m),
+               std::max(2.0, 2.0 * options_.consistency.drift_share * linked_path_m + 2.0));
+  const VerificationInput input{T_odom_lidar_, [this](int k) { return store_->Cloud(k); },
+                                T_history_current, radius_m};
+  record.verdict = verifier_.Verify(proposal, input, executor_);
+  record.outcome = record.verdict.accepted() ? LoopOutcome::kUnsupported : LoopOutcome::kRefused;
+  return record;
+}
+
+void LoopCloser::Impl::Judge(const std::vector<LoopProposal>& proposals, LoopTimes* times) {
+  const Stopwatch watch;
+  std::vector<LoopRecord> judged;
+  int verified = 0;
+  for (const LoopProposal& proposal : proposals) {
+    const double linked_m = LinkedPathOf(proposal.current)[Index(proposal.history)];
+    LoopRecord record;
+    if (IsCovered(proposal, judged)) {
+      record.outcome = LoopOutcome::kCovered;
+    } else if (verified < options_.max_verifications) {
+      ++verified;
+      record = Verify(proposal, linked_m);
+    }
+    record.proposal = proposal;
+    record.history_frame = frames_[Index(proposal.history)];
+    record.current_frame = frames_[Index(proposal.current)];
+    record.linked_path_m = linked_m;
+    judged.push_back(record);
+  }
+  times->verify_ms += watch.ElapsedMs();
+  for (const LoopRecord& record : judged) {
+    report.records.push_back(record);
+    if (record.verdict.accepted()) Weigh(report.records.size() - 1);
+  }
+}
+
+void LoopCloser::Impl::Weigh(size_t index) {
+  LoopRecord& record = report.records[index];
+  const LoopProposal& proposal = record.proposal;
+  const MeasuredLoop loop{proposal.history, proposal.current, record.verdict.T_history_current,
+                          record.verdict.covariance};
+  const Rigid3d T_history_current =
+      poses()[Index(loop.history)].Inverse() * poses()[Index(loop.current)];
+  record.chi2 =
+      GraphChi2(loop, T_history_current, graph_.RelativeCovariance(loop.history, loop.current),
+                record.linked_path_m, options_.consistency);
+  if (record.chi2 > options_.consistency.max_chi2) {
+    record.outcome = LoopOutcome::kInconsistent;
+    return;
+  }
+  if (record.linked_path_m <= options_.consistency.linked_path_m) {
+    Accept({loop, index});
+    return;
+  }
+  std::vector<MeasuredLoop> others;
+  for (const Pending& pending : pending_) others.push_back(pending.loop);
+  const std::vector<size_t> support =
+      FindSupport(loop, others, T_odom_lidar_, track_.path_m, options_.consistency);
+  pending_.push_back({loop, index});
+  if (static_cast<int>(support.size()) < options_.consistency.min_support) return;
+  Accept(pending_.back());
+  for (const size_t i : support) Accept(pending_[i]);
+}
+
+void LoopCloser::Impl::Accept(const Pending& pending) {
+  LoopRecord& record = report.records[pending.record];
+  if (record.outcome == LoopOutcome::kAccepted) return;
+  record.outcome = LoopOutcome::kAccepted;
+  const MeasuredLoop& loop = pending.loop;
+  links_.push_back({loop.history, loop.current});
+  has_loop_[Index(loop.current)] = 1;
+  new_.push_back(
+      {loop.history, loop.current, loop.T_history_current, InformationOf(loop.covariance)});
+  loop_records_.push_back(pending.record);
+}
+
+bool LoopCloser::Impl::Close(LoopTimes* times) {
+  if (new_.empty()) return false;
+  const Stopwatch watch;
+  graph_.AddLoops(new_);
+  new_.clear();
+  track_.T_world_lidar = graph_.estimates();
+  times->graph_ms += watch.ElapsedMs();
+  return true;
+}
+
+std::vector<int> LoopCloser::Impl::ConnectedTo(int keyframe) const {
+  std::vector<std::pair<double, int>> near;
+  std::vector<char> seen(Index(keyframe) + 1, 0);
+  for (const LoopLink& link : links_) {
+    if (track_.path_m[Index(keyframe)] - track_.path_m[Index(link.to)] >
+        options_.connected_path_m) {
+      continue;
+    }
+    const int each_way = options_.verification.submap.keyframes_each_way;
+    for (int k = std::max(0, link.from - each_way); k <= link.from + each_way; k += 1) {
+      if (k >= keyframe || seen[Index(k)] != 0) continue;
+      seen[Index(k)] = 1;
+      if (k % 2 == 0) near.emplace_back(DistanceBetween(k, keyframe), k);
+    }
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<int> connected;
+  for (const auto& [distance_m, k] : near) connected.push_back(k);
+  return connected;
+}
+
+void LoopCloser::Impl::LookAgain() {
+  const Stopwatch watch;
+  LoopTimes times;
+  const size_t before = report.records.size();
+  for (int k = 0; k <= last() && options_.use_vicinity; ++k) {
+    if (has_loop_[Index(k)] != 0) continue;
+    Judge(ProposeVicinity(track_, k, LinkedPathOf(k), options_.drift.vicinity(),
+                          options_.separation, options_.vicinity),
+          &times);
+    Close(&times);
+  }
+  for (size_t i = before; i < report.records.size(); ++i) report.records[i].is_second_look = true;
+  report.second_look_ms = watch.ElapsedMs();
+}
+
+void LoopCloser::Impl::Polish() {
+  const Stopwatch watch;
+  report.graph = graph_.Graph();
+  if (last() < 0) return;
+  const BatchPoseGraphResult result = OptimizeBatch(report.graph, options_.polish);
+  report.graph.T_world = result.T_world;
+  track_.T_world_lidar = result.T_world;
+  for (size_t i = 0; i < loop_records_.size(); ++i) {
+    LoopRecord& record = report.records[loop_records_[i]];
+    record.weight = result.loop_weights[i];
+    if (record.weight < 0.5) record.outcome = LoopOutcome::kDropped;
+  }
+  report.polish_ms = watch.ElapsedMs();
+}
+
+LoopCloser::LoopCloser(const LoopOptions& options, const Calibration& calibration,
+                       std::shared_ptr<const KeyframeStore> store)
+    : impl_((options.Check(), std::make_unique<Impl>(options, calibration, std::move(store)))) {}
 LoopCloser::~LoopCloser() = default;
 
-LoopUpdate LoopCloser::Process(const LoopJob& job) {
-  auto& poses = impl_->T_world;
-  poses.push_back(poses.empty() ? job.keyframe.T_odom_lidar : poses.back() * job.T_prev_cur);
+LoopUpdate LoopCloser::Process(const Keyframe& keyframe) {
+  const Stopwatch watch;
+  LoopTimes times;
+  impl_->Add(keyframe, &times);
   LoopUpdate update;
-  update.last = static_cast<int>(poses.size()) - 1;
-  update.T_world_last = poses.back();
+  update.last = impl_->last();
+  impl_->Judge(impl_->Propose(update.last, &times), &times);
+  if (impl_->Close(&times)) update.T_world_lidar = impl_->poses();
+  update.connected = impl_->ConnectedTo(update.last);
+  times.total_ms = watch.ElapsedMs();
+  impl_->report.times.push_back(times);
   return update;
 }
 
 LoopUpdate LoopCloser::Finish() {
+  impl_->LookAgain();
+  impl_->Polish();
   LoopUpdate update;
-  update.last = static_cast<int>(impl_->T_world.size()) - 1;
-  update.T_world_lidar = impl_->T_world;
-  if (update.last >= 0) update.T_world_last = impl_->T_world.back();
+  update.last = impl_->last();
+  update.T_world_lidar = impl_->poses();
   return update;
 }
+
+const LoopReport& LoopCloser::report() const { return impl_->report; }
 
 }  // namespace tvl

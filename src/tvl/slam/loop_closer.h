@@ -5,32 +5,29 @@
 
 #include "tvl/map/keyframe_store.h"
 #include "tvl/sensor/calibration.h"
+#include "tvl/slam/loop_options.h"
 #include "tvl/slam/loop_types.h"
 
 namespace tvl {
 
-struct LoopOptions {
-  bool enabled = true;
-  // What was found for a keyframe is applied when so many more have been made, whether it was found
-  // at once or just in time: results must not depend on the machine. 10 m at walking pace or
-  // motorway speed are 0.3 s and more.
-  int lag_keyframes = 10;
-  void Check() const;
-};
-
+// Not thread-safe: one call at a time, from any thread.
 class LoopCloser {
  public:
+  // Throws InputError for unusable options or vocabulary.
   LoopCloser(const LoopOptions& options, const Calibration& calibration,
              std::shared_ptr<const KeyframeStore> store);
   ~LoopCloser();
 
-  // Keyframes in the order they were made.
-  LoopUpdate Process(const LoopJob& job);
-  // At the end of the data: looks once more, and polishes.
+  // Keyframes in the order they were made; their payloads are in the store. Their T_world_lidar is
+  // not read.
+  LoopUpdate Process(const Keyframe& keyframe);
+  // At the end of the data: looks once more at all keyframes without a loop, and polishes.
   LoopUpdate Finish();
 
+  const LoopReport& report() const;
+
  private:
-  struct Impl;
+  class Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,30 +1,58 @@
 // What goes into loop closing and what comes out.
 #pragma once
 
-#include <memory>
+#include <string>
 #include <vector>
 
 #include "tvl/map/keyframe.h"
 #include "tvl/map/loop.h"
+#include "tvl/map/pose_graph.h"
 
 namespace tvl {
-
-// A new keyframe as loop closing sees it.
-struct LoopJob {
-  Keyframe keyframe;  // its T_world_lidar is not read
-  // T_prev_cur of the odometry since the previous keyframe, and its covariance (right
-  // perturbation).
-  Rigid3d T_prev_cur;
-  Matrix6d covariance = Matrix6d::Zero();
-};
 
 // What loop closing makes of the keyframes 0..last.
 struct LoopUpdate {
   int last = -1;
-  std::vector<Rigid3d> T_world_lidar;  // of keyframes 0..last; empty: only the last is new
-  Rigid3d T_world_last;                // of keyframe `last`
-  // Keyframes that accepted loops make neighbours of `last`, best first.
+  std::vector<Rigid3d> T_world_lidar;  // of keyframes 0..last; empty: no loop was closed
+  // Keyframes that accepted loops make neighbours of `last`, nearest first.
   std::vector<int> connected;
+};
+
+// What became of a proposal.
+enum class LoopOutcome {
+  kAccepted,
+  kRefused,       // by verification: see the verdict
+  kInconsistent,  // the graph contradicts it
+  kUnsupported,   // verified, but no other loops agree with it
+  kCovered,       // another proposal of the keyframe led to the same place
+  kNotVerified,   // more proposals than are verified for one keyframe
+  kDropped,       // accepted, and contradicted by all the others in the end
+};
+const char* ToString(LoopOutcome outcome);
+
+struct LoopRecord {
+  LoopProposal proposal;
+  FrameId history_frame = 0, current_frame = 0;
+  LoopVerdict verdict;
+  LoopOutcome outcome = LoopOutcome::kNotVerified;
+  double chi2 = 0.0;            // against the graph, 6 degrees of freedom
+  double linked_path_m = 0.0;   // between the two when the loop was proposed
+  double weight = 0.0;          // in the final graph, 0..1; accepted loops only
+  bool is_second_look = false;  // at the end of the data
+};
+
+// Milliseconds of one keyframe's loop search.
+struct LoopTimes {
+  double describe_ms = 0.0, propose_visual_ms = 0.0, propose_vicinity_ms = 0.0;
+  double propose_lidar_ms = 0.0, verify_ms = 0.0, graph_ms = 0.0, total_ms = 0.0;
+};
+
+// All there is to tell of a run's loops.
+struct LoopReport {
+  std::vector<LoopRecord> records;  // in the order of the proposals
+  std::vector<LoopTimes> times;     // one a keyframe
+  double second_look_ms = 0.0, polish_ms = 0.0;
+  PoseGraph graph;  // as optimised in the end
 };
 
 }  // namespace tvl

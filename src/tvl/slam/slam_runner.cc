@@ -90,6 +90,8 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
   }
   run.system.Finish();
   result.trajectory = run.system.trajectory();
+  result.odometry = run.system.odometry_path();
+  result.loops = run.system.loops();
   result.map = run.system.map();
   TVL_CHECK_INPUT(!result.map.keyframes.empty())
       << source.setup().name << ": no frame of " << result.frames.size() << " has a usable scan";

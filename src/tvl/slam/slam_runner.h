@@ -23,6 +23,8 @@ struct RunResult {
   std::vector<FrameResult> frames;  // one a frame of the input, in order, as known at the time
   Trajectory trajectory;            // of the same frames, with all loops
   Map map;
+  LoopReport loops;
+  OdometryPath odometry;  // of the same frames, as if there had been no loop
   DeskewDecision deskew;
   bool stopped = false;  // the observer said so
 };

@@ -52,6 +52,12 @@ FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
   return cloud;
 }
 
+Rigid3d DriftOver(const Rigid3d& motion, const InjectedDriftOptions& drift) {
+  Vector6d xi;
+  xi << 0.0, 0.0, drift.yaw_rad_per_m, drift.along_share, drift.across_share, drift.up_share;
+  return Rigid3d::Exp(motion.t().norm() * xi);
+}
+
 LocalMapMember MemberOf(const Map& map, size_t index) {
   const Keyframe& keyframe = map.keyframes[index];
   return {keyframe.id.index, keyframe.path_m, keyframe.T_odom_lidar,
@@ -256,23 +262,24 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
   keyframe.stamp = result.stamp;
   keyframe.path_m = path_m_;
   keyframe.T_odom_lidar = result.T_odom_lidar;
-  keyframe.T_world_lidar = map_.keyframes.empty()
-                               ? result.T_odom_lidar
-                               : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  keyframe.T_world_lidar = result.T_odom_lidar;
+  if (!map_.keyframes.empty()) {
+    const Keyframe& previous = map_.keyframes.back();
+    const Rigid3d T_prev_cur = previous.T_odom_lidar.Inverse() * result.T_odom_lidar;
+    keyframe.T_prev_cur = T_prev_cur * DriftOver(T_prev_cur, options_.loops.injected_drift);
+    keyframe.covariance = keyframe_covariance_;
+    keyframe.T_world_lidar = previous.T_world_lidar * keyframe.T_prev_cur;
+  }
+  keyframe_covariance_.setZero();
   map_.store->Put(keyframe.id.index, std::make_shared<const KeyframePayload>(std::move(payload)));
   map_.keyframes.push_back(keyframe);
   local_map_.Add(MemberOf(map_, map_.keyframes.size() - 1), executor);
 }
 
 void SlamSystem::CloseLoops(const Executor& executor) {
-  const Keyframe& keyframe = map_.keyframes.back();
-  LoopJob job{keyframe, Rigid3d(), keyframe_covariance_};
-  keyframe_covariance_.setZero();
-  if (map_.keyframes.size() > 1) {
-    const Keyframe& previous = map_.keyframes[map_.keyframes.size() - 2];
-    job.T_prev_cur = previous.T_odom_lidar.Inverse() * keyframe.T_odom_lidar;
-  }
-  loop_thread_.Give([closer = loop_closer_, job] { return closer->Process(job); });
+  loop_thread_.Give([closer = loop_closer_, keyframe = map_.keyframes.back()] {
+    return closer->Process(keyframe);
+  });
   if (loop_thread_.pending() <= static_cast<size_t>(options_.loops.lag_keyframes)) return;
   const LoopUpdate update = loop_thread_.Take();
   Apply(update);
@@ -298,8 +305,13 @@ void SlamSystem::Apply(const LoopUpdate& update) {
   if (update.T_world_lidar.empty()) return;
   for (size_t i = update.T_world_lidar.size(); i < map_.keyframes.size(); ++i) {
     map_.keyframes[i].T_world_lidar =
-        ToWorld(map_.keyframes[i - 1], map_.keyframes[i].T_odom_lidar);
+        map_.keyframes[i - 1].T_world_lidar * map_.keyframes[i].T_prev_cur;
   }
+}
+
+const LoopReport& SlamSystem::loops() const {
+  static const LoopReport none;
+  return loop_closer_ == nullptr ? none : loop_closer_->report();
 }
 
 void SlamSystem::Finish() {

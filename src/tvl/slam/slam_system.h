@@ -63,6 +63,9 @@ class SlamSystem {
   // applies everything found.
   void Finish();
 
+  // After Finish(): every proposal, what it was judged on, and the graph. Empty without loops.
+  const LoopReport& loops() const;
+
   // As given, with the extrinsics that fit the points as the system uses them.
   const SensorSetup& setup() const { return setup_; }
   // What the beams were found to be off by.

@@ -1,0 +1,37 @@
+#include "tvl/slam/loop_options.h"
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+
+void LoopConsistencyOptions::Check() const {
+  TVL_CHECK_INPUT(max_chi2 > 0.0) << "loops.consistency.max_chi2: must be positive";
+  TVL_CHECK_INPUT(graph_inflation >= 1.0)
+      << "loops.consistency.graph_inflation: must be at least 1";
+  TVL_CHECK_INPUT(drift_share >= 0.0) << "loops.consistency.drift_share: must not be negative";
+  TVL_CHECK_INPUT(linked_path_m >= 0.0) << "loops.consistency.linked_path_m: must not be negative";
+  TVL_CHECK_INPUT(min_support >= 0) << "loops.consistency.min_support: must not be negative";
+  TVL_CHECK_INPUT(max_support_path_m > min_support_gap_m && min_support_gap_m >= 0.0)
+      << "loops.consistency: want max_support_path_m > min_support_gap_m >= 0";
+  TVL_CHECK_INPUT(support_translation_share > 0.0 && support_rotation_rad_per_m > 0.0)
+      << "loops.consistency.support_translation_share, support_rotation_rad_per_m: must be "
+         "positive";
+}
+
+void LoopOptions::Check() const {
+  TVL_CHECK_INPUT(lag_keyframes >= 0) << "loops.lag_keyframes: must not be negative";
+  TVL_CHECK_INPUT(max_verifications >= 1) << "loops.max_verifications: must be at least 1";
+  TVL_CHECK_INPUT(connected_path_m >= 0.0) << "loops.connected_path_m: must not be negative";
+  separation.Check();
+  drift.Check();
+  visual.Check();
+  vicinity.Check();
+  lidar_descriptor.Check();
+  lidar.Check();
+  verification.Check();
+  consistency.Check();
+  graph.Check();
+  polish.Check();
+}
+
+}  // namespace tvl

@@ -1,0 +1,76 @@
+// Everything about loop closing that can be set (paper section 6).
+#pragma once
+
+#include <string>
+
+#include "tvl/loop/drift_model.h"
+#include "tvl/loop/lidar_proposer.h"
+#include "tvl/loop/loop_separation.h"
+#include "tvl/loop/loop_verification.h"
+#include "tvl/loop/vicinity_proposer.h"
+#include "tvl/loop/visual_proposer.h"
+#include "tvl/pose_graph/batch_pose_graph.h"
+#include "tvl/pose_graph/incremental_pose_graph.h"
+
+namespace tvl {
+
+// When a verified loop is believed: by what the graph knows, and by other loops.
+struct LoopConsistencyOptions {
+  // Chi-square of 6 that 0.1 % of true loops exceed.
+  double max_chi2 = 22.5;
+  // Of the graph's covariance, in variance: over 200-400 m of simulated drives the squared error is
+  // up to six times what the steps' covariances add up to, since steps share their errors.
+  double graph_inflation = 4.0;
+  // What no step knows of: translation, one standard deviation as a share of the linked path. 0.5 %
+  // is R2 of the paper at its standard deviation.
+  double drift_share = 0.005;
+  // A loop whose ends are linked by less path than this is believed by itself: the graph is tight.
+  double linked_path_m = 60.0;
+  // Any other needs so many verified loops that agree with it, their current keyframes
+  // min_support_gap_m to max_support_path_m of path apart: one street looks like another for a
+  // moment, not while driving along it.
+  int min_support = 2;
+  double min_support_gap_m = 2.0, max_support_path_m = 40.0;
+  // Of the odometry between two supporting loops: shares of its length (design 4.5).
+  double support_translation_share = 0.005;
+  double support_rotation_rad_per_m = 1e-4;
+  void Check() const;
+};
+
+// Drift added to the links between keyframes, per metre driven: to see what loop closing does when
+// odometry is bad. Nothing else should ever set this.
+struct InjectedDriftOptions {
+  double yaw_rad_per_m = 0.0;
+  double across_share = 0.0, along_share = 0.0, up_share = 0.0;  // m per m
+  void Check() const {}
+};
+
+struct LoopOptions {
+  bool enabled = true;
+  bool use_visual = true, use_vicinity = true, use_lidar = true;
+  // What was found for a keyframe is applied when so many more have been made, whether it was found
+  // at once or just in time: results must not depend on the machine. 10 m at motorway speed are
+  // 0.3 s.
+  int lag_keyframes = 10;
+  // Proposals verified for one keyframe at most, best guess first: the rest are of other places, or
+  // of the same with a worse guess.
+  int max_verifications = 3;
+  // Keyframes that loops of the last so many metres of path link to the newest one are its
+  // neighbours: the local map fetches them.
+  double connected_path_m = 30.0;
+  std::string vocabulary;  // file for the visual proposer; empty: the built-in one
+  LoopSeparationOptions separation;
+  DriftOptions drift;
+  VisualProposerOptions visual;
+  VicinityOptions vicinity;
+  LidarDescriptorOptions lidar_descriptor;
+  LidarProposerOptions lidar;
+  LoopVerificationOptions verification;
+  LoopConsistencyOptions consistency;
+  IncrementalPoseGraphOptions graph;
+  BatchPoseGraphOptions polish;
+  InjectedDriftOptions injected_drift;
+  void Check() const;
+};
+
+}  // namespace tvl
