@@ -57,7 +57,7 @@ float Interpolated(const cv::Mat& image, double x, double y) {
 RingSpectra SampleRings(const cv::Mat& magnitude, const LidarDescriptorOptions& options) {
   const double low = 2.0 * options.range_m / options.max_wavelength_m;
   const double high = 2.0 * options.range_m / options.min_wavelength_m;
-  const double centre = magnitude.rows / 2;
+  const int centre = magnitude.rows / 2;
   RingSpectra rings;
   for (int r = 0; r < kRings; ++r) {
     const double radius = low * std::pow(high / low, r / (kRings - 1.0));

@@ -49,7 +49,7 @@ struct PlaceCell {
   float weight() const;
 };
 
-// About 6 kB a keyframe (440 cells on a street), kept in memory.
+// About 6.7 kB a keyframe (350 cells on a street), kept in memory.
 struct LidarDescriptor {
   static constexpr int kRings = 32, kAngles = 64, kHarmonics = 12;
   std::vector<PlaceCell> cells;  // row by row
@@ -59,8 +59,10 @@ struct LidarDescriptor {
 };
 
 // Pure function of one scan's feature points, ground included. The lidar's z axis is roughly up.
-// Points of several keyframes put together make it worse, not better: moving cars smear, and what
-// was seen from behind differs between the two directions of driving.
+// Points of several keyframes put together make it worse: moving cars smear, and what lies behind
+// is seen before it in one direction of driving and after it in the other. On a drive whose
+// revisits are all in reverse the signature alone ranks the right place first for 89 % with one
+// keyframe, 84 % with the last 4 m, 45 % with the last 10 m.
 LidarDescriptor DescribePlace(const KeyframeCloud& cloud, const LidarDescriptorOptions& options);
 
 // Cosine of two signatures, 0..1.

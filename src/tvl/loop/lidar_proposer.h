@@ -28,7 +28,7 @@ struct LidarProposerOptions {
   void Check() const;
 };
 
-// Holds the descriptors of all keyframes (6 kB each), in their order. Not thread-safe.
+// Holds the descriptors of all keyframes (6.7 kB each), in their order. Not thread-safe.
 class LidarProposer {
  public:
   LidarProposer(const LidarDescriptorOptions& descriptor, const LidarProposerOptions& options);
