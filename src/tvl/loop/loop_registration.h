@@ -12,6 +12,16 @@
 
 namespace tvl {
 
+// Measured on true loops of simulated drives (NEES 0.3 to 1.1): most errors shared by residuals
+// average out over many scans; the floors stand for what bends within a submap.
+inline CovarianceOptions ForLoops() {
+  CovarianceOptions options;
+  options.inflation = 4.0;
+  options.floor_rotation_rad = 2e-4;
+  options.floor_translation_m = 4e-3;
+  return options;
+}
+
 struct LoopRegistrationOptions {
   // Matches further off than the gate are dropped, one round each; the noise assumed of a point is
   // gate_share of the gate, so that early rounds do not mistake an offset for outliers.
@@ -22,7 +32,7 @@ struct LoopRegistrationOptions {
   double kernel_sigmas = 2.0;  // Cauchy
   MatchNoise noise;
   WeaknessOptions weakness;
-  CovarianceOptions covariance;
+  CovarianceOptions covariance = ForLoops();
   void Check() const;
 };
 
