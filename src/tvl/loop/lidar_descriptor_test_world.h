@@ -66,7 +66,7 @@ inline KeyframeCloud Scan(const Town& town, const Rigid3d& T_town_lidar, uint64_
     out->intensity.push_back(0.3F);
   };
   for (const Eigen::Vector3d& p : town.points) add(p, p.z() > 2.0 ? &cloud.edges : &cloud.planes);
-  const Eigen::Vector3d here = T_town_lidar.t();
+  const Eigen::Vector3d& here = T_town_lidar.t();
   for (double x = -48.0; x < 48.0; x += 1.0) {
     for (double y = -48.0; y < 48.0; y += 1.0)
       add({here.x() + x, here.y() + y, 0.0}, &cloud.planes);
