@@ -14,5 +14,6 @@ void AddInspectCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);
 void AddShowCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
+void AddVocabularyCommand(CLI::App& app);
 
 }  // namespace tvl

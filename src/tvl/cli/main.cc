@@ -24,6 +24,7 @@ void AddCommands(CLI::App& app) {
   AddEvaluateCommand(app);
   AddInspectCommand(app);
   AddShowCommand(app);
+  AddVocabularyCommand(app);
 }
 
 int Main(int argc, char** argv) {
