@@ -6,6 +6,7 @@
 
 #include "tvl/base/check.h"
 #include "tvl/pose_graph/constraint_error.h"
+#include "tvl/pose_graph/loop_consistency.h"
 
 namespace tvl {
 namespace {
@@ -172,6 +173,40 @@ void RunGraduated(const PoseGraph& graph, const BatchPoseGraphOptions& options,
   }
 }
 
+bool IsChain(const std::vector<PoseConstraint>& odometry, size_t poses) {
+  if (odometry.size() + 1 != poses) return false;
+  for (size_t k = 0; k < odometry.size(); ++k) {
+    const int from = static_cast<int>(k);
+    if (odometry[k].from != from || odometry[k].to != from + 1) return false;
+  }
+  return true;
+}
+
+// Poses by odometry and the loops that agree with each other along it, none of the others.
+BatchPoseGraphResult SolveConsistentLoops(const PoseGraph& graph,
+                                          const BatchPoseGraphOptions& options) {
+  OdometryChain chain;
+  PoseGraph agreed{{graph.T_world.front()}, graph.odometry, {}};
+  for (const PoseConstraint& c : graph.odometry) {
+    chain.Add(c);
+    agreed.T_world.push_back(agreed.T_world.back() * c.T_from_to);
+  }
+  for (const int loop : ConsistentSet(chain, graph.loops, options.loop_width_sq)) {
+    agreed.loops.push_back(graph.loops[loop]);
+  }
+  BatchPoseGraphResult result;
+  result.T_world = agreed.T_world;
+  Minimizer(agreed, options).Run({LoopLoss::kNone, options.loop_width_sq}, &result);
+  return result;
+}
+
+BatchPoseGraphResult Finished(const PoseGraph& graph, const LoopWeighing& weighing,
+                              BatchPoseGraphResult result) {
+  result.loop_weights = Weights(graph, result.T_world, weighing);
+  result.cost = Cost(graph, result.T_world, weighing);
+  return result;
+}
+
 }  // namespace
 
 void BatchPoseGraphOptions::Check() const {
@@ -199,9 +234,19 @@ BatchPoseGraphResult OptimizeBatch(const PoseGraph& graph, const BatchPoseGraphO
   if (options.loop_loss == LoopLoss::kGnc) RunGraduated(graph, options, &minimizer, &result);
   const LoopWeighing weighing(options.loop_loss, options.loop_width_sq);
   minimizer.Run(weighing, &result);
-  result.loop_weights = Weights(graph, result.T_world, weighing);
-  result.cost = Cost(graph, result.T_world, weighing);
-  return result;
+  result = Finished(graph, weighing, std::move(result));
+
+  const bool has_doubts = std::any_of(result.loop_weights.begin(), result.loop_weights.end(),
+                                      [](double weight) { return weight <= 0.5; });
+  if (options.loop_loss != LoopLoss::kDcs || !has_doubts ||
+      !IsChain(graph.odometry, graph.T_world.size())) {
+    return result;
+  }
+  BatchPoseGraphResult other = SolveConsistentLoops(graph, options);
+  minimizer.Run(weighing, &other);
+  other.iterations += result.iterations;
+  other = Finished(graph, weighing, std::move(other));
+  return other.cost < result.cost ? other : result;
 }
 
 }  // namespace tvl

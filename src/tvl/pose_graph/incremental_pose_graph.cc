@@ -1,5 +1,6 @@
 #include "tvl/pose_graph/incremental_pose_graph.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -187,6 +188,14 @@ PoseGraph IncrementalPoseGraph::Graph() const {
     (is_loop_[term] ? graph.loops : graph.odometry).push_back(constraints_[term]);
   }
   return graph;
+}
+
+double IncrementalPoseGraph::InnovationSq(const PoseConstraint& loop) const {
+  CheckConstraint(loop, size(), "loop");
+  const Vector6d e = ConstraintError(loop, estimates_[loop.from], estimates_[loop.to]);
+  const Matrix6d covariance =
+      RelativeCovariance(loop.from, loop.to) + loop.information.llt().solve(Matrix6d::Identity());
+  return e.dot(covariance.llt().solve(e));
 }
 
 Matrix6d IncrementalPoseGraph::RelativeCovariance(int i, int j) const {

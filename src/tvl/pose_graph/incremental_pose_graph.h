@@ -19,19 +19,19 @@ namespace tvl {
 
 struct IncrementalPoseGraphOptions {
   // A pose is relinearised when its estimate left the linearisation point by more than this.
-  // Rotations bend the residuals: 0.01 rad makes an error of 0.5e-4 of the lengths involved.
-  double relinearize_rotation_rad = 0.01;
+  // Rotations bend the residuals: 0.005 rad makes an error of 1e-5 of the lengths involved.
+  double relinearize_rotation_rad = 0.005;
   // Displacements do not bend them by themselves, only together with rotations.
-  double relinearize_translation_m = 0.5;
+  double relinearize_translation_m = 0.2;
   // Branches that move by less keep their old solution; the batch solution at the end settles it.
   double settle_rotation_rad = 1e-6;
   double settle_translation_m = 1e-4;
   // Times the linear problem is solved per call at most; the worst case of one call is this many
   // eliminations of the whole graph.
-  int max_iterations = 3;
+  int max_iterations = 4;
   // What happens to loops the others contradict, and beyond which squared whitened error: 16.8 is
   // exceeded by 1 % of true loops (chi-square of 6).
-  LoopLoss loop_loss = LoopLoss::kHuber;
+  LoopLoss loop_loss = LoopLoss::kDcs;
   double loop_width_sq = 16.8;
   // Loops whose weight changes by less are not touched: each costs an update of the tree.
   double min_weight_change = 0.1;
@@ -74,6 +74,11 @@ class IncrementalPoseGraph {
   double Cost() const;
   // Everything added and not removed, with the estimates: for the batch solution at the end.
   PoseGraph Graph() const;
+
+  // How far a loop that is not in the graph is from what the graph knows: its error at the
+  // estimates, squared and whitened by RelativeCovariance plus the loop's own covariance. For a
+  // true loop chi-square of 6: 22.5 is exceeded by 0.1 % of them.
+  double InnovationSq(const PoseConstraint& loop) const;
 
   // Covariance of T_i^-1 T_j by a right perturbation, [rotation, translation] in the frame of j:
   // what the graph knows about two of its poses, for judging a loop between them. Weights of loops
