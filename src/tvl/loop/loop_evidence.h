@@ -7,18 +7,18 @@
 namespace tvl {
 
 struct LoopEvidenceOptions {
-  // Only what the submap could see counts: points this near to one of its keyframes, horizontally.
-  double coverage_m = 25.0;
   double trim_share = 0.8;   // the best of the distances (paper 6.3): what moved may be elsewhere
   double unmatched_m = 1.0;  // the distance of a point without a surfel, and the largest of any
   void Check() const;
 };
 
 struct LoopEvidence {
-  double rms_m = 0.0;          // trimmed, point to plane, all points
-  double raised_rms_m = 0.0;   // of those above the ground: the ground fits everywhere
-  double overlap = 0.0;        // share of raised voxels in which the submap has a point
-  int planes = 0, raised = 0;  // points counted in rms_m, voxels in overlap
+  double rms_m = 0.0;         // trimmed, point to plane, all points
+  double raised_rms_m = 0.0;  // of those above the ground: the ground fits everywhere
+  double overlap = 0.0;       // share of raised voxels in which the submap has a point
+  double seen_through = 0.0;  // share of raised voxels empty in the submap, which looked past them
+  // Points judged in rms_m, voxels in overlap: only those the submap could see.
+  int planes = 0, raised = 0;
 };
 
 LoopEvidence MeasureEvidence(const LoopSource& source, const LoopSubmap& submap,

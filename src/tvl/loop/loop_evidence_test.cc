@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "tvl/base/check.h"
+#include "tvl/loop/seen_ranges.h"
 #include "tvl/loop/test_passes.h"
 
 namespace tvl {
@@ -39,32 +40,39 @@ struct Fixture {
 TEST(LoopEvidence, IsItsDefinition) {
   const Fixture f;
   const Rigid3d T = f.T_odom_current * Rigid3d::Translation(0.4, 0.1, 0.05);
-  LoopEvidenceOptions options;
-  options.coverage_m = 300.0;  // all of it
-  const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, T, options);
+  const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, T, {});
 
   std::vector<double> all, raised;
   for (size_t i = 0; i < f.source.planes.size(); ++i) {
     const Eigen::Vector3d p = T * f.source.planes[i].cast<double>();
+    if (!f.submap.CouldSee(p)) continue;
     const Surfel* s = f.submap.planes().Find(p);
     const double d = s == nullptr ? 1.0 : std::min(1.0, std::abs((p - s->mean).dot(s->axis)));
     all.push_back(d);
     if (f.source.plane_is_raised[i] != 0) raised.push_back(d);
   }
+  EXPECT_EQ(evidence.planes, static_cast<int>(all.size()));
+  EXPECT_LT(evidence.planes, static_cast<int>(f.source.planes.size()));
   EXPECT_DOUBLE_EQ(evidence.rms_m, TrimmedRms_m(all, 0.8));
   EXPECT_DOUBLE_EQ(evidence.raised_rms_m, TrimmedRms_m(raised, 0.8));
 
   std::set<std::tuple<double, double, double>> occupied;
-  for (const Eigen::Vector3d& c : f.submap.OccupiedCentres())
+  for (const Eigen::Vector3d& c : f.submap.OccupiedCentres()) {
     occupied.insert({c.x(), c.y(), c.z()});
-  int met = 0;
+  }
+  int met = 0, seen = 0, through = 0;
   for (const Eigen::Vector3f& point : f.source.raised) {
     const Eigen::Vector3d p = T * point.cast<double>();
+    if (!f.submap.CouldSee(p)) continue;
+    ++seen;
     const auto centre = [](double x) { return 0.5 * (std::floor(x / 0.5) + 0.5); };
-    met += static_cast<int>(occupied.count({centre(p.x()), centre(p.y()), centre(p.z())}));
+    const bool is_met = occupied.count({centre(p.x()), centre(p.y()), centre(p.z())}) > 0;
+    met += is_met ? 1 : 0;
+    through += !is_met && f.submap.SawThrough(p) ? 1 : 0;
   }
-  EXPECT_EQ(evidence.raised, static_cast<int>(f.source.raised.size()));
-  EXPECT_DOUBLE_EQ(evidence.overlap, static_cast<double>(met) / evidence.raised);
+  EXPECT_EQ(evidence.raised, seen);
+  EXPECT_DOUBLE_EQ(evidence.overlap, static_cast<double>(met) / seen);
+  EXPECT_DOUBLE_EQ(evidence.seen_through, static_cast<double>(through) / seen);
 }
 
 TEST(LoopEvidence, TheTruthFitsAndAShiftDoesNot) {
@@ -72,29 +80,45 @@ TEST(LoopEvidence, TheTruthFitsAndAShiftDoesNot) {
   const LoopEvidence truth = MeasureEvidence(f.source, f.submap, f.T_odom_current, {});
   EXPECT_LT(truth.rms_m, 0.05);
   EXPECT_LT(truth.raised_rms_m, 0.1);
-  EXPECT_GT(truth.overlap, 0.7);
+  EXPECT_GT(truth.overlap, 0.8);
   const Rigid3d T_shifted = f.T_odom_current * Rigid3d::Translation(5.0, 0.5, 0.0);
   const LoopEvidence shifted = MeasureEvidence(f.source, f.submap, T_shifted, {});
   EXPECT_GT(shifted.raised_rms_m, 2.0 * truth.raised_rms_m);
   EXPECT_LT(shifted.overlap, 0.4);
+  EXPECT_GT(shifted.seen_through, 3.0 * truth.seen_through);
   EXPECT_LT(shifted.rms_m, shifted.raised_rms_m) << "the ground fits everywhere";
 }
 
-TEST(LoopEvidence, CountsOnlyWhatTheHistoryCouldSee) {
+TEST(LoopEvidence, OfAPlaceNeverSeenThereIsNone) {
   const Fixture f;
-  LoopEvidenceOptions options;
-  options.coverage_m = 10.0;
-  const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, f.T_odom_current, options);
-  int near = 0;
-  for (const Eigen::Vector3f& point : f.source.raised) {
-    const Eigen::Vector3d p = f.T_odom_current * point.cast<double>();
-    near += p.x() > -2.0 && p.x() < 52.0 ? 1 : 0;  // keyframes stand at x = 10..50 (world)
-  }
-  EXPECT_GT(evidence.raised, 0);
-  EXPECT_LT(evidence.raised, static_cast<int>(f.source.raised.size()));
-  EXPECT_LE(evidence.raised, near);
   const Rigid3d T_far = f.T_odom_current * Rigid3d::Translation(0.0, 400.0, 0.0);
-  EXPECT_EQ(MeasureEvidence(f.source, f.submap, T_far, options).raised, 0);
+  const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, T_far, {});
+  EXPECT_EQ(evidence.planes, 0);
+  EXPECT_EQ(evidence.raised, 0);
+  EXPECT_EQ(evidence.overlap, 0.0);
+}
+
+TEST(SeenRanges, AreTheFurthestInEachDirection) {
+  KeyframeCloud cloud;
+  cloud.planes.points = {{10.0f, 0.1f, 0.05f}, {10.4f, 0.1f, 0.05f}, {-3.0f, 4.0f, -1.0f}};
+  cloud.edges.points = {{0.0f, -7.0f, 0.0f}};
+  const SeenRanges seen(cloud);
+  EXPECT_NEAR(seen.Towards({5.0f, 0.05f, 0.025f}), 10.4, 0.01);
+  EXPECT_NEAR(seen.Towards({-30.0f, 40.0f, -10.0f}), std::sqrt(26.0), 0.01);
+  EXPECT_NEAR(seen.Towards({0.0f, -1.0f, 0.0f}), 7.0, 0.01);
+  EXPECT_EQ(seen.Towards({5.0f, 5.0f, 0.0f}), 0.0f) << "nothing measured there";
+  EXPECT_EQ(seen.Towards({0.0f, 0.0f, 5.0f}), 0.0f) << "straight up";
+  EXPECT_EQ(seen.Towards({1.0f, 0.0f, 5.0f}), 0.0f) << "steeper than any lidar looks";
+}
+
+TEST(LoopSubmapView, KnowsWhatHousesHide) {
+  const Fixture f;
+  const auto seen = [&](double x, double y, double z) { return f.submap.CouldSee({x, y, z}); };
+  EXPECT_TRUE(seen(30.0, 0.5, -1.7)) << "the lane";
+  EXPECT_FALSE(seen(30.0, 45.0, -1.0)) << "far behind the houses";
+  EXPECT_TRUE(f.submap.SawThrough({30.0, 0.5, 0.0})) << "air";
+  EXPECT_FALSE(f.submap.SawThrough({30.0, 0.5, -3.0})) << "below the road";
+  EXPECT_FALSE(seen(30.0, 0.0, 20.0)) << "the sky";
 }
 
 TEST(LoopSource, PutsTheStretchIntoTheCurrentFrame) {

@@ -20,6 +20,10 @@ void LoopSubmapOptions::Check() const {
   TVL_CHECK_INPUT(keyframes_each_way >= 1) << "loop_submap.keyframes_each_way: at least 1";
   TVL_CHECK_INPUT(every_keyframe >= 1) << "loop_submap.every_keyframe: at least 1";
   TVL_CHECK_INPUT(every_point >= 1) << "loop_submap.every_point: at least 1";
+  TVL_CHECK_INPUT(every_view >= 1 && every_view % every_keyframe == 0)
+      << "loop_submap.every_view: must be a multiple of every_keyframe";
+  TVL_CHECK_INPUT(view_range_m > 1.0) << "loop_submap.view_range_m: must exceed 1";
+  TVL_CHECK_INPUT(view_margin_m >= 0.0) << "loop_submap.view_margin_m: must not be negative";
   TVL_CHECK_INPUT(voxel_m > 0.05) << "loop_submap.voxel_m: must exceed 0.05";
   planes.Check();
   lines.Check();
@@ -32,6 +36,7 @@ LoopSubmap::LoopSubmap(const LoopSubmapOptions& options) : options_(options) {
 
 void LoopSubmap::Clear() {
   members_.clear();
+  views_.clear();
   planes_ = std::make_unique<SurfelMap>(options_.planes);
   lines_ = std::make_unique<SurfelMap>(options_.lines);
   occupancy_.Clear();
@@ -49,12 +54,16 @@ void LoopSubmap::MoveTo(int centre, int end, const std::vector<Rigid3d>& T_odom_
   for (auto it = members_.begin(); it != members_.end();) {
     const bool stays = it->first >= first && it->first <= last;
     if (!stays) Change(*cloud(it->first), it->second, -1, executor);
+    if (!stays) views_.erase(it->first);
     it = stays ? std::next(it) : members_.erase(it);
   }
   const int step = options_.every_keyframe;
   for (int k = (first + step - 1) / step * step; k <= last; k += step) {
     const Rigid3d& T = T_odom_lidar[static_cast<size_t>(k)];
-    if (members_.emplace(k, T).second) Change(*cloud(k), T, 1, executor);
+    if (!members_.emplace(k, T).second) continue;
+    const std::shared_ptr<const KeyframeCloud> added = cloud(k);
+    Change(*added, T, 1, executor);
+    if (k % options_.every_view == 0) views_.emplace(k, View{T.Inverse(), SeenRanges(*added)});
   }
   DropEmpty();
 }
@@ -104,6 +113,24 @@ void LoopSubmap::Count(const std::vector<Eigen::Vector3f>& points, const Rigid3d
 bool LoopSubmap::IsOccupied(const Eigen::Vector3d& p_odom) const {
   const int32_t* count = occupancy_.Find(VoxelKey::Of(p_odom, options_.voxel_m));
   return count != nullptr && *count > 0;
+}
+
+bool LoopSubmap::SawAtLeast(const Eigen::Vector3d& p_odom, double further_m) const {
+  return std::any_of(views_.begin(), views_.end(), [&](const auto& entry) {
+    const View& view = entry.second;
+    const Eigen::Vector3f p = (view.T_lidar_odom * p_odom).template cast<float>();
+    const auto range_m = static_cast<double>(p.norm());
+    return range_m<options_.view_range_m&& static_cast<double>(view.seen.Towards(p))> range_m +
+           further_m;
+  });
+}
+
+bool LoopSubmap::CouldSee(const Eigen::Vector3d& p_odom) const {
+  return SawAtLeast(p_odom, -options_.view_margin_m);
+}
+
+bool LoopSubmap::SawThrough(const Eigen::Vector3d& p_odom) const {
+  return SawAtLeast(p_odom, options_.view_margin_m);
 }
 
 std::vector<Eigen::Vector3d> LoopSubmap::OccupiedCentres() const {

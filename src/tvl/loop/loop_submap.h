@@ -14,6 +14,7 @@
 #include "tvl/base/parallel.h"
 #include "tvl/geometry/rigid3.h"
 #include "tvl/geometry/voxel_hash.h"
+#include "tvl/loop/seen_ranges.h"
 #include "tvl/map/keyframe.h"
 #include "tvl/registration/surfel_map.h"
 
@@ -28,6 +29,9 @@ struct LoopSubmapOptions {
   int every_keyframe = 2;       // 2 m apart suffice: each sees 50 m
   int every_point = 3;          // of F_lf: 5,000 of 15,000 a keyframe; surfels want 8 in a voxel
   double voxel_m = 0.5;         // of the occupancy (design 4.7)
+  int every_view = 4;           // keyframes whose view tells what the submap could see
+  double view_range_m = 40.0;   // beyond, rings lie metres apart
+  double view_margin_m = 0.5;   // seen that much less far: still at the point
   SurfelMapOptions planes{SurfelKind::kPlane, {0.5, 1.0, 2.0}, {}};
   SurfelMapOptions lines{SurfelKind::kLine, {1.0}, {5, 0.12, 3.0, 0.12}};
   void Check() const;
@@ -46,6 +50,10 @@ class LoopSubmap {
   const SurfelMap& planes() const { return *planes_; }
   const SurfelMap& lines() const { return *lines_; }
   bool IsOccupied(const Eigen::Vector3d& p_odom) const;
+  // Whether one of its keyframes saw as far as there, so that something there would be known.
+  bool CouldSee(const Eigen::Vector3d& p_odom) const;
+  // Whether one of them saw at least view_margin_m past it: it was not there, or is thin.
+  bool SawThrough(const Eigen::Vector3d& p_odom) const;
   // Centres of occupied voxels.
   std::vector<Eigen::Vector3d> OccupiedCentres() const;
   // Poses T_odom_lidar of the keyframes in it, by index.
@@ -56,11 +64,17 @@ class LoopSubmap {
               const Executor& executor);
   void Count(const std::vector<Eigen::Vector3f>& points, const Rigid3d& T_odom_lidar, int sign);
   void Clear();
+  bool SawAtLeast(const Eigen::Vector3d& p_odom, double further_m) const;
   void DropEmpty();
 
   LoopSubmapOptions options_;
   std::map<int, Rigid3d> members_;
   std::unique_ptr<SurfelMap> planes_, lines_;
+  struct View {
+    Rigid3d T_lidar_odom;
+    SeenRanges seen;
+  };
+  std::map<int, View> views_;     // by keyframe
   VoxelHash<int32_t> occupancy_;  // points in each voxel
 };
 

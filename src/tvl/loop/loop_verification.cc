@@ -190,6 +190,7 @@ LoopVerdict Decide(const Scene& scene, double coarse_score, const std::vector<Ca
   verdict.rms_m = best.evidence.rms_m;
   verdict.raised_rms_m = best.evidence.raised_rms_m;
   verdict.overlap = best.evidence.overlap;
+  verdict.seen_through = best.evidence.seen_through;
   verdict.ambiguity = Ambiguity(starts, best, scene.options.bev);
   verdict.coarse_score = coarse_score;
   verdict.translation_ratio = fine.translation_ratio;

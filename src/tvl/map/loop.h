@@ -41,7 +41,6 @@ enum class LoopStatus {
   kWeak,          // the place does not hold all directions (a corridor)
   kHighRms,       // surfaces do not lie on each other
   kLowOverlap,    // what stands above the ground is elsewhere
-  kContradicted,  // things stand where the other pass saw through
   kAmbiguous,     // another alignment fits nearly as well
   kInconsistent,  // the graph contradicts it
 };
@@ -57,7 +56,7 @@ struct LoopVerdict {
   double rms_m = 0.0;         // trimmed point-to-plane distance
   double raised_rms_m = 0.0;  // of points above the ground alone
   double overlap = 0.0;       // share of voxels above the ground that the history has too, 0..1
-  double seen_through = 0.0;  // share of points above the ground that stand where rays passed
+  double seen_through = 0.0;  // share of those voxels empty there, with rays passing them
   double ambiguity = 0.0;     // fit of the second best alignment to the best's, 0..1
   double coarse_score = 0.0;  // of the bird's-eye-view alignment, 0..1
   double translation_ratio = 0.0, rotation_ratio = 0.0;  // see registration/weakness.h
