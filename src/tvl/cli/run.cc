@@ -19,6 +19,8 @@
 #include "tvl/io/atomic_file.h"
 #include "tvl/io/point_cloud_io.h"
 #include "tvl/io/trajectory_io.h"
+#include "tvl/report/loop_picture.h"
+#include "tvl/report/loop_report.h"
 #include "tvl/report/map_picture.h"
 #include "tvl/report/run_report.h"
 #include "tvl/slam/options_io.h"
@@ -30,6 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMapVoxel_m = 0.1;  // of the exported map: finer than a beam's footprint at 60 m
+constexpr size_t kPlaces = 3;        // drawn before and after (paper Fig. 14)
 
 struct RunArguments {
   std::string input, out, config, profile, deskew = "auto", frames;
@@ -61,20 +64,45 @@ double PeakMemory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
+void WritePicture(const fs::path& path, const cv::Mat& picture) {
+  WriteAtomicallyByName(path.string(), [&](const std::string& temporary) {
+    TVL_CHECK(cv::imwrite(temporary, picture)) << temporary << ": cannot be written";
+  });
+}
+
+// The poses of the odometry alone, as KITTI has them.
+std::vector<Rigid3d> OdometryPoses(const RunResult& result, const Rigid3d& T_cam0_lidar) {
+  Trajectory odometry;
+  for (const OdometryPose& pose : result.odometry) {
+    odometry.push_back({pose.frame, pose.stamp, pose.T_odom_lidar});
+  }
+  return ToKittiPoses(odometry, T_cam0_lidar);
+}
+
+void WriteLoops(const fs::path& out, const RunResult& result, const RunContext& context) {
+  WriteAtomically((out / "loops.csv").string(),
+                  [&](std::ostream& file) { file << LoopTable(result.loops, context.truth); });
+  WritePicture(out / "loops.png", DrawLoops(result.map.keyframes, result.loops));
+  int place = 0;
+  for (const size_t i : MostTelling(result.map.keyframes, result.loops, kPlaces)) {
+    WritePicture(out / ("loop_place_" + std::to_string(++place) + ".png"),
+                 DrawPlace(result.map, result.loops.records[i]));
+  }
+}
+
 void WriteResults(const fs::path& out, const RunResult& result, const RunContext& context) {
   const Trajectory& trajectory = result.trajectory;
-  WriteKittiPoses((out / "trajectory_kitti.txt").string(),
-                  ToKittiPoses(trajectory, context.setup.calibration.T_cam0_lidar));
+  const Rigid3d& T_cam0_lidar = context.setup.calibration.T_cam0_lidar;
+  WriteKittiPoses((out / "trajectory_kitti.txt").string(), ToKittiPoses(trajectory, T_cam0_lidar));
+  WriteKittiPoses((out / "odometry_kitti.txt").string(), OdometryPoses(result, T_cam0_lidar));
   WriteTumTrajectory((out / "trajectory_tum.txt").string(), trajectory);
   const MapCloud cloud = BuildMapCloud(result.map, kMapVoxel_m);
   WritePcd((out / "map.pcd").string(), cloud);
   WritePly((out / "map.ply").string(), cloud);
   std::vector<Eigen::Vector3d> p_world;
   for (const StampedPose& pose : trajectory) p_world.push_back(pose.T_world_lidar.t());
-  const cv::Mat picture = DrawMap(cloud, p_world);
-  WriteAtomicallyByName((out / "map.png").string(), [&](const std::string& temporary) {
-    TVL_CHECK(cv::imwrite(temporary, picture)) << temporary << ": cannot be written";
-  });
+  WritePicture(out / "map.png", DrawMap(cloud, p_world));
+  if (!result.loops.times.empty()) WriteLoops(out, result, context);
   WriteAtomically((out / "resolved.yaml").string(),
                   [&](std::ostream& file) { file << context.options_yaml; });
   const nlohmann::json report = MakeRunReport(result, context);
@@ -93,10 +121,29 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
             << context.wall_s << " s, peak memory " << context.peak_memory_mib << " MiB\n"
             << "motion compensation: " << ToString(result.deskew.deskew) << " ("
             << ToString(result.deskew.verdict) << ": " << result.deskew.reason << ")\n";
+  if (!result.loops.times.empty()) std::cout << LoopSummary(result.loops);
+  if (!result.loops.times.empty() && !context.truth.empty()) {
+    std::cout << ToText(EvaluateLoops(result.loops.records, context.truth));
+  }
   if (faulty > 0) std::cout << faulty << " frames with faults, see run.json\n";
   if (predicted > 0) std::cout << predicted << " frames bridged by prediction\n";
+  const std::string store_fault = result.map.store->fault();
+  if (!store_fault.empty()) std::cout << store_fault << ": kept in memory\n";
   std::cout << TimingTable(result) << "results in " << out << "\n";
   if (result.stopped) std::cout << "interrupted: the results are complete up to here\n";
+}
+
+// The keyframes' true poses; empty where the input does not know them.
+std::vector<TrueKeyframe> TruthOf(const Dataset& dataset, const RunResult& result) {
+  const std::vector<Rigid3d> T_first_cam0 = dataset.Truth_T_first_cam0();
+  const Rigid3d& T_cam0_lidar = dataset.setup().calibration.T_cam0_lidar;
+  std::vector<TrueKeyframe> truth;
+  for (const Keyframe& keyframe : result.map.keyframes) {
+    const auto frame = static_cast<size_t>(keyframe.frame);
+    if (frame >= T_first_cam0.size()) return {};
+    truth.push_back({keyframe.stamp, keyframe.path_m, T_first_cam0[frame] * T_cam0_lidar});
+  }
+  return truth;
 }
 
 RunResult RunWithProgress(const Dataset& dataset, const RunArguments& arguments,
@@ -112,6 +159,13 @@ RunResult RunWithProgress(const Dataset& dataset, const RunArguments& arguments,
     progress.Update(++done, ToString(frame.status));
     return !Interrupted();
   });
+}
+
+// Of the whole input, beside the results, for `tvl evaluate`.
+void WriteTruth(const fs::path& out, const Dataset& dataset) {
+  const std::vector<Rigid3d> T_first_cam0 = dataset.Truth_T_first_cam0();
+  if (T_first_cam0.empty()) return;
+  WriteKittiPoses((out / "truth_kitti.txt").string(), T_first_cam0);
 }
 
 void Run(const RunArguments& arguments) {
@@ -130,7 +184,8 @@ void Run(const RunArguments& arguments) {
   const RunResult result = RunWithProgress(*dataset, arguments, options);
   const RunContext context{
       Version(),         arguments.input,          dataset->setup(), DumpOptions(options),
-      arguments.threads, 1e-3 * watch.ElapsedMs(), PeakMemory_mib()};
+      arguments.threads, 1e-3 * watch.ElapsedMs(), PeakMemory_mib(), TruthOf(*dataset, result)};
+  WriteTruth(arguments.out, *dataset);
   WriteResults(arguments.out, result, context);
   PrintSummary(result, context, arguments.out);
 }
@@ -144,9 +199,11 @@ void AddRunCommand(CLI::App& app) {
          "input", arguments->input,
          "sequence folder (KITTI odometry or raw layout), or sim:PRESET?seed=7&frames=1000")
       ->required();
-  run->add_option("--out", arguments->out,
-                  "folder for trajectory_kitti.txt, trajectory_tum.txt, map.pcd, map.ply, map.png, "
-                  "run.json, resolved.yaml")
+  run->add_option(
+         "--out", arguments->out,
+         "folder for trajectory_kitti.txt, trajectory_tum.txt, odometry_kitti.txt (without "
+         "loops), map.pcd, map.ply, map.png, loops.csv, loops.png, loop_place_*.png, "
+         "run.json, resolved.yaml")
       ->required();
   run->add_option("--config", arguments->config, "YAML file with options, see docs/options.md");
   run->add_option("--profile", arguments->profile,

@@ -8,6 +8,8 @@
 #include <map>
 #include <sstream>
 
+#include "tvl/report/loop_report.h"
+
 namespace tvl {
 namespace {
 
@@ -27,6 +29,7 @@ constexpr Stage kStages[] = {
     {"odometry_step", [](const StageTimes& t) { return t.odometry_ms; }},
     {"map_step", [](const StageTimes& t) { return t.map_step_ms; }},
     {"map_update", [](const StageTimes& t) { return t.map_update_ms; }},
+    {"loops", [](const StageTimes& t) { return t.loops_ms; }},
     {"preprocessing",
      [](const StageTimes& t) {
        return t.vision_ms + t.segmentation_ms + t.features_ms + t.depth_ms;
@@ -205,6 +208,9 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                  {"wall_s", context.wall_s},
                  {"peak_memory_mib", context.peak_memory_mib},
                  {"frames", frames}};
+  if (!result.loops.times.empty()) report["loops"] = LoopsToJson(result.loops, context.truth);
+  report["keyframe_store"] = {{"memory_bytes", result.map.store->memory_bytes()},
+                              {"file_bytes", result.map.store->file_bytes()}};
   if (context.setup.seed) report["seed"] = *context.setup.seed;
   return report;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "tvl/eval/loop_evaluation.h"
 #include "tvl/slam/slam_runner.h"
 
 namespace tvl {
@@ -19,6 +20,7 @@ struct RunContext {
   int threads = 1;
   double wall_s = 0.0;
   double peak_memory_mib = 0.0;
+  std::vector<TrueKeyframe> truth;  // one a keyframe; empty: not known
 };
 
 // Units are in the keys. Per frame: status, evidence, weak directions and `step_covariance`, the
