@@ -29,9 +29,9 @@ struct TrainArguments {
 };
 
 struct CompareArguments {
-  std::string vocabulary, out;
-  std::vector<std::string> images;
+  std::vector<std::string> images, vocabularies, outs;
   size_t stride = 1;
+  int repeat = 1;
 };
 
 std::vector<std::vector<BinaryDescriptor>> Describe(const std::vector<std::string>& specs,
@@ -103,19 +103,34 @@ std::vector<double> TimeQueries(const VisualDatabase& database) {
   return times_ms;
 }
 
-void Compare(const CompareArguments& arguments) {
-  const auto vocabulary = std::make_shared<const Vocabulary>(Open(arguments.vocabulary));
-  VisualDatabase database(vocabulary, 1);
-  for (const auto& image : Describe(arguments.images, arguments.stride)) database.Add(image);
-  TVL_CHECK_INPUT(database.size() > 0) << "no images";
-  WriteAtomically(arguments.out, [&](std::ostream& out) { WriteSimilarities(database, out); });
+using Descriptors = std::vector<std::vector<BinaryDescriptor>>;
+
+void CompareWith(const std::string& vocabulary, const std::string& out, const Descriptors& images,
+                 int repeat) {
+  VisualDatabase database(std::make_shared<const Vocabulary>(Open(vocabulary)), 1);
+  for (const auto& image : images) database.Add(image);
+  WriteAtomically(out, [&](std::ostream& file) { WriteSimilarities(database, file); });
+  for (int i = 1; i < repeat; ++i) {
+    for (const auto& image : images) database.Add(image);
+  }
   const std::vector<double> times_ms = TimeQueries(database);
-  std::cout << "compared " << database.size() << " images: " << arguments.out << "\n"
+  std::cout << vocabulary << ": compared " << images.size() << " images: " << out << "\n"
             << std::setprecision(3) << "  query      p50 " << times_ms[times_ms.size() / 2]
             << " ms, p99 " << times_ms[times_ms.size() * 99 / 100] << " ms, at " << database.size()
             << " images\n"
             << "  memory     " << database.StateBytes() / static_cast<size_t>(database.size())
             << " bytes an image\n";
+}
+
+void Compare(const CompareArguments& arguments) {
+  TVL_CHECK_INPUT(arguments.vocabularies.size() == arguments.outs.size())
+      << "--vocabulary, --out: want as many of the one as of the other, are "
+      << arguments.vocabularies.size() << " and " << arguments.outs.size();
+  const Descriptors images = Describe(arguments.images, arguments.stride);
+  TVL_CHECK_INPUT(!images.empty()) << "no images";
+  for (size_t i = 0; i < arguments.outs.size(); ++i) {
+    CompareWith(arguments.vocabularies[i], arguments.outs[i], images, arguments.repeat);
+  }
 }
 
 void AddTrain(CLI::App& parent) {
@@ -150,12 +165,23 @@ void AddCompare(CLI::App& parent) {
   auto* command =
       parent.add_subcommand("compare", "How alike a vocabulary finds each two of many images");
   const auto arguments = std::make_shared<CompareArguments>();
-  command->add_option("file", arguments->vocabulary, "A file, or `default`: the built-in one")
-      ->required();
   command->add_option("images", arguments->images, "As for train; in the order driven")->required();
-  command->add_option("--out", arguments->out, "Table to write (CSV)")->required();
+  command
+      ->add_option("--vocabulary", arguments->vocabularies,
+                   "A file, or `default`: the built-in one; several to compare them")
+      ->required();
+  command
+      ->add_option("--out", arguments->outs,
+                   "Table to write (CSV): similarity over that to the predecessor; one for each "
+                   "--vocabulary")
+      ->required();
   command->add_option("--stride", arguments->stride, "Use every so many-th image of each")
       ->capture_default_str();
+  command
+      ->add_option("--repeat", arguments->repeat,
+                   "Time queries with the images this many times over")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   command->callback([arguments] { Compare(*arguments); });
 }
 
