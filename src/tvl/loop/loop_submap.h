@@ -30,8 +30,10 @@ struct LoopSubmapOptions {
   int every_point = 3;          // of F_lf: 5,000 of 15,000 a keyframe; surfels want 8 in a voxel
   double voxel_m = 0.5;         // of the occupancy (design 4.7)
   int every_view = 4;           // keyframes whose view tells what the submap could see
-  double view_range_m = 40.0;   // beyond, rings lie metres apart
-  double view_margin_m = 0.5;   // seen that much less far: still at the point
+  // Beyond, a keyframe sees the ground in arcs metres apart, no surfaces: what it saw there says
+  // little of what must be there.
+  double view_range_m = 25.0;
+  double view_margin_m = 0.5;  // seen that much less far: still at the point
   SurfelMapOptions planes{SurfelKind::kPlane, {0.5, 1.0, 2.0}, {}};
   SurfelMapOptions lines{SurfelKind::kLine, {1.0}, {5, 0.12, 3.0, 0.12}};
   void Check() const;

@@ -147,6 +147,7 @@ LoopStatus Judge(const LoopVerdict& v, int raised, const LoopVerificationOptions
     return LoopStatus::kHighRms;
   }
   if (v.overlap < options.min_overlap) return LoopStatus::kLowOverlap;
+  if (v.seen_through > options.max_seen_through) return LoopStatus::kContradicted;
   if (v.translation_ratio < options.min_translation_ratio ||
       v.rotation_ratio < options.min_rotation_ratio) {
     return LoopStatus::kWeak;
@@ -160,8 +161,9 @@ std::string ReasonOf(const LoopVerdict& v) {
   std::ostringstream text;
   text.precision(3);
   text << ToString(v.status) << ": rms " << v.rms_m << " m, raised " << v.raised_rms_m
-       << " m, overlap " << v.overlap << ", ambiguity " << v.ambiguity << ", points " << v.points
-       << ", held " << v.translation_ratio << " / " << v.rotation_ratio;
+       << " m, overlap " << v.overlap << ", seen through " << v.seen_through << ", ambiguity "
+       << v.ambiguity << ", points " << v.points << ", held " << v.translation_ratio << " / "
+       << v.rotation_ratio;
   return text.str();
 }
 
@@ -223,6 +225,8 @@ void LoopVerificationOptions::Check() const {
       << "loop_verification.max_rms_m, max_raised_rms_m: must be positive";
   TVL_CHECK_INPUT(min_overlap >= 0.0 && min_overlap <= 1.0)
       << "loop_verification.min_overlap: must be in 0..1";
+  TVL_CHECK_INPUT(max_seen_through >= 0.0 && max_seen_through <= 1.0)
+      << "loop_verification.max_seen_through: must be in 0..1";
   TVL_CHECK_INPUT(max_ambiguity > 0.0 && max_ambiguity <= 1.0)
       << "loop_verification.max_ambiguity: must be in 0..1";
   TVL_CHECK_INPUT(min_points >= 1) << "loop_verification.min_points: must be at least 1";

@@ -28,6 +28,8 @@ const char* ToString(LoopStatus status) {
       return "high rms";
     case LoopStatus::kLowOverlap:
       return "low overlap";
+    case LoopStatus::kContradicted:
+      return "contradicted";
     case LoopStatus::kAmbiguous:
       return "ambiguous";
     case LoopStatus::kInconsistent:

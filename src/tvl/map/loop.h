@@ -41,6 +41,7 @@ enum class LoopStatus {
   kWeak,          // the place does not hold all directions (a corridor)
   kHighRms,       // surfaces do not lie on each other
   kLowOverlap,    // what stands above the ground is elsewhere
+  kContradicted,  // things stand where the other pass saw through
   kAmbiguous,     // another alignment fits nearly as well
   kInconsistent,  // the graph contradicts it
 };
