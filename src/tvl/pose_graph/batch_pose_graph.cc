@@ -147,7 +147,7 @@ class Minimizer {
     if (!is_analyzed_) solver_.analyzePattern(H);
     is_analyzed_ = true;
     solver_.factorize(H);
-    TVL_CHECK(solver_.info() == Eigen::Success) << "the poses of the graph are not all connected";
+    TVL_CHECK(solver_.info() == Eigen::Success) << "the information is not positive definite";
     return solver_.solve(-system.b);
   }
 
@@ -171,6 +171,30 @@ void RunGraduated(const PoseGraph& graph, const BatchPoseGraphOptions& options,
   for (; mu < 1e3; mu *= options.gnc_step) {
     minimizer->Run(LoopWeighing::Graduated(mu, options.loop_width_sq), result);
   }
+}
+
+void CheckConnected(const PoseGraph& graph) {
+  std::vector<std::vector<int>> neighbours(graph.T_world.size());
+  for (const auto* constraints : {&graph.odometry, &graph.loops}) {
+    for (const PoseConstraint& c : *constraints) {
+      neighbours[c.from].push_back(c.to);
+      neighbours[c.to].push_back(c.from);
+    }
+  }
+  std::vector<char> is_reached(graph.T_world.size(), 0);
+  std::vector<int> stack{0};
+  is_reached[0] = 1;
+  while (!stack.empty()) {
+    const int pose = stack.back();
+    stack.pop_back();
+    for (const int next : neighbours[pose]) {
+      if (!is_reached[next]) stack.push_back(next);
+      is_reached[next] = 1;
+    }
+  }
+  const auto missing = std::find(is_reached.begin(), is_reached.end(), 0);
+  TVL_CHECK_INPUT(missing == is_reached.end())
+      << "nothing connects pose " << missing - is_reached.begin() << " to pose 0";
 }
 
 bool IsChain(const std::vector<PoseConstraint>& odometry, size_t poses) {
@@ -230,6 +254,7 @@ BatchPoseGraphResult OptimizeBatch(const PoseGraph& graph, const BatchPoseGraphO
   BatchPoseGraphResult result;
   result.T_world = graph.T_world;
   if (poses < 2) return result;
+  CheckConnected(graph);
   Minimizer minimizer(graph, options);
   if (options.loop_loss == LoopLoss::kGnc) RunGraduated(graph, options, &minimizer, &result);
   const LoopWeighing weighing(options.loop_loss, options.loop_width_sq);

@@ -41,8 +41,8 @@ struct BatchPoseGraphResult {
   bool converged = false;
 };
 
-// Starts at graph.T_world. Throws InputError naming the constraint if one is unusable, Error if the
-// poses are not connected.
+// Starts at graph.T_world. Throws InputError naming the constraint if one is unusable, and the
+// first pose that nothing connects to pose 0.
 BatchPoseGraphResult OptimizeBatch(const PoseGraph& graph, const BatchPoseGraphOptions& options);
 
 // The same cost for any poses.

@@ -8,6 +8,12 @@
 #include "tvl/pose_graph/constraint_error.h"
 
 namespace tvl {
+namespace {
+
+// Changes among weights below this do not matter: such a loop is dropped.
+constexpr double kNegligibleWeight = 1e-3;
+
+}  // namespace
 
 void IncrementalPoseGraphOptions::Check() const {
   TVL_CHECK_INPUT(relinearize_rotation_rad > 0.0) << "relinearize_rotation_rad must be positive";
@@ -57,9 +63,15 @@ PoseGraphUpdate IncrementalPoseGraph::AddKeyframe(const PoseConstraint& odometry
 PoseGraphUpdate IncrementalPoseGraph::AddLoops(const std::vector<PoseConstraint>& loops) {
   for (const PoseConstraint& loop : loops) CheckConstraint(loop, size(), "loop");
   std::vector<int> touched;
+  std::vector<double> weights;
   for (const PoseConstraint& loop : loops) {
-    // Believed at first: before the graph has bent, every loop after a long way is far off.
-    loop_terms_.push_back(AddTerm(loop, 1.0));
+    // After a long way every loop is far off: what counts is whether the graph is sure of that.
+    const double e_sq = options_.loop_loss == LoopLoss::kNone ? 0.0 : InnovationSq(loop);
+    weights.push_back(EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).weight);
+  }
+  for (size_t k = 0; k < loops.size(); ++k) {
+    const PoseConstraint& loop = loops[k];
+    loop_terms_.push_back(AddTerm(loop, weights[k]));
     is_loop_.back() = 1;
     touched.insert(touched.end(), {loop.from, loop.to});
   }
@@ -112,7 +124,7 @@ PoseGraphUpdate IncrementalPoseGraph::Solve(std::vector<int> touched) {
     for (const int v : moved) {
       estimates_[v] = linearized_at_[v] * Rigid3d::Exp(tree_.step(v));
     }
-    update.moved = static_cast<int>(moved.size());
+    update.moved = std::max(update.moved, static_cast<int>(moved.size()));
     if (update.iterations + 1 == options_.max_iterations) continue;
     touched = ReweighLoops();
     std::vector<int> bent = Relinearize();
@@ -148,7 +160,8 @@ std::vector<int> IncrementalPoseGraph::ReweighLoops() {
     if (is_removed_[term]) continue;
     const double weight =
         EvaluateLoopLoss(options_.loop_loss, LoopErrorSq(loop), options_.loop_width_sq).weight;
-    if (std::abs(weight - weights_[term]) < options_.min_weight_change) continue;
+    const double larger = std::max({weight, weights_[term], kNegligibleWeight});
+    if (std::abs(weight - weights_[term]) < options_.min_weight_change * larger) continue;
     weights_[term] = weight;
     LinearizeTerm(term);
     touched.insert(touched.end(), {constraints_[term].from, constraints_[term].to});

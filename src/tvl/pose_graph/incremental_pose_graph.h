@@ -33,7 +33,7 @@ struct IncrementalPoseGraphOptions {
   // exceeded by 1 % of true loops (chi-square of 6).
   LoopLoss loop_loss = LoopLoss::kDcs;
   double loop_width_sq = 16.8;
-  // Loops whose weight changes by less are not touched: each costs an update of the tree.
+  // Loops whose weight changes by less than this share are not touched: each costs an update.
   double min_weight_change = 0.1;
 
   // Throws InputError naming the field.
@@ -45,7 +45,7 @@ struct PoseGraphUpdate {
   int iterations = 0;
   int eliminated = 0;    // variables eliminated anew, over all iterations
   int relinearized = 0;  // poses whose linearisation point moved, over all iterations
-  int moved = 0;         // poses whose estimate changed in the last iteration
+  int moved = 0;         // poses whose estimate changed, at most in one iteration
 };
 
 class IncrementalPoseGraph {

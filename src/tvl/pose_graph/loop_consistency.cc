@@ -72,21 +72,36 @@ void OdometryChain::Add(const PoseConstraint& odometry) {
 }
 
 OdometryChain::Relative OdometryChain::Between(int i, int j) const {
-  const Matrix6d sum = covariance_[std::max(i, j)] - covariance_[std::min(i, j)];
-  return {T_first_[i].Inverse() * T_first_[j], Carried(sum, T_first_[j].Inverse())};
+  return {T_first_[i].Inverse() * T_first_[j], Carried(Drift(i, j), T_first_[j].Inverse())};
+}
+
+Matrix6d OdometryChain::Drift(int i, int j) const {
+  if (i == j) return Matrix6d::Zero();
+  return covariance_[std::max(i, j)] - covariance_[std::min(i, j)];
 }
 
 double CycleErrorSq(const OdometryChain& odometry, const PoseConstraint& a,
                     const PoseConstraint& b) {
   // a.from -> b.from -> (loop b) -> b.to -> a.to, against loop a; all in the frame of a.to.
-  const OdometryChain::Relative start = odometry.Between(a.from, b.from);
-  const OdometryChain::Relative end = odometry.Between(b.to, a.to);
-  const Rigid3d T_b_end = b.T_from_to * end.T_i_j;
-  const Vector6d e = (a.T_from_to.Inverse() * (start.T_i_j * T_b_end)).Log();
-  const Matrix6d covariance =
-      a.information.llt().solve(Matrix6d::Identity()) + end.covariance +
-      Carried(b.information.llt().solve(Matrix6d::Identity()), end.T_i_j.Inverse()) +
-      Carried(start.covariance, T_b_end.Inverse());
+  const Rigid3d T_start = odometry.Between(a.from, b.from).T_i_j;
+  const Rigid3d T_end = odometry.Between(b.to, a.to).T_i_j;
+  const Rigid3d T_b_end = b.T_from_to * T_end;
+  const Vector6d e = (a.T_from_to.Inverse() * (T_start * T_b_end)).Log();
+  // Drift in the frame of the first pose, carried to that of a.to; minus: driven backwards.
+  const Matrix6d by_start = (a.from <= b.from ? 1.0 : -1.0) *
+                            (T_b_end.Inverse() * odometry.T_first(b.from).Inverse()).Adjoint();
+  const Matrix6d by_end = (b.to <= a.to ? 1.0 : -1.0) * odometry.T_first(a.to).Inverse().Adjoint();
+  Matrix6d covariance = a.information.llt().solve(Matrix6d::Identity()) +
+                        Carried(b.information.llt().solve(Matrix6d::Identity()), T_end.Inverse()) +
+                        by_start * odometry.Drift(a.from, b.from) * by_start.transpose() +
+                        by_end * odometry.Drift(b.to, a.to) * by_end.transpose();
+  // What is driven on both ways errs on both alike: forth and back it nearly cancels.
+  const int begin = std::max(std::min(a.from, b.from), std::min(a.to, b.to));
+  const int end = std::min(std::max(a.from, b.from), std::max(a.to, b.to));
+  if (begin < end) {
+    const Matrix6d both = by_start * odometry.Drift(begin, end) * by_end.transpose();
+    covariance += both + both.transpose();
+  }
   return e.dot(covariance.llt().solve(e));
 }
 

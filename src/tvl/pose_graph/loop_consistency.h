@@ -23,6 +23,10 @@ class OdometryChain {
   };
   // In either direction.
   Relative Between(int i, int j) const;
+  const Rigid3d& T_first(int i) const { return T_first_[i]; }
+  // Covariance of what the odometry drifts from i to j or back, as a left perturbation in the frame
+  // of the first pose.
+  Matrix6d Drift(int i, int j) const;
 
  private:
   std::vector<Rigid3d> T_first_;      // of every pose

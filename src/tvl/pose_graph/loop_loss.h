@@ -25,7 +25,7 @@ inline RobustValue EvaluateLoopLoss(LoopLoss loss, double e_sq, double width_sq)
     case LoopLoss::kDcs: {
       if (e_sq <= width_sq) return {e_sq, 1.0};
       const double s = 2.0 * width_sq / (width_sq + e_sq);
-      return {s * s * e_sq + width_sq * (1.0 - s) * (1.0 - s), s * s};
+      return {width_sq * (3.0 * e_sq - width_sq) / (e_sq + width_sq), s * s};
     }
     case LoopLoss::kGnc:
       return e_sq <= width_sq ? RobustValue{e_sq, 1.0} : RobustValue{width_sq, 0.0};
