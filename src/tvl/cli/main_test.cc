@@ -5,12 +5,14 @@
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "tvl/io/profile.h"
 #include "tvl/io/test_folder.h"
 #include "tvl/io/text_file.h"
 #include "tvl/io/trajectory_io.h"
+#include "tvl/vision/synthetic_texture.h"
 
 namespace tvl {
 namespace {
@@ -77,6 +79,30 @@ TEST_F(Program, InspectShowsAndJudges) {
   const Outcome missing = Run("inspect " + root + "/nix");
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_THAT(missing.err, HasSubstr("nix: no such folder"));
+}
+
+TEST_F(Program, VocabulariesAreTrainedShownAndCompared) {
+  std::filesystem::create_directory(folder_ / "images");
+  for (int i = 0; i < 4; ++i) {
+    cv::imwrite(folder_ / ("images/" + std::to_string(i) + ".png"),
+                MakeTexture({300, 150}, static_cast<uint64_t>(i / 2)));
+  }
+  const std::string images = folder_ / "images", file = folder_ / "voc.bin";
+  const std::string train = "vocabulary train " + images + " --branching 8 --levels 3 --out ";
+  const Outcome trained = Run(train + file);
+  ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  EXPECT_THAT(trained.out, HasSubstr("trained on 4 images"));
+  EXPECT_EQ(Run(train + (folder_ / "again.bin")).exit_code, 0);
+  EXPECT_EQ(Text(file), Text(folder_ / "again.bin"));
+  EXPECT_THAT(Run("vocabulary info " + file).out, HasSubstr("k 8, L 3"));
+  EXPECT_THAT(Run("vocabulary info default").out, HasSubstr("k 10, L 4"));
+  const Outcome compared = Run("vocabulary compare " + images + " --vocabulary " + file +
+                               " --out " + (folder_ / "table.csv") + " --repeat 2");
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
+  EXPECT_THAT(compared.out, HasSubstr("at 8 images"));
+  EXPECT_THAT(Text(folder_ / "table.csv"), HasSubstr("\n1,0,1\n"));
+  EXPECT_EQ(Run("vocabulary info " + images).exit_code, 2);
+  EXPECT_EQ(Run(train + "").exit_code, 2);
 }
 
 TEST_F(Program, EvaluateWritesTableJsonAndPlots) {
