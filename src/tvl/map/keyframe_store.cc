@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <list>
 #include <map>
 #include <mutex>
@@ -77,10 +78,7 @@ void ForEachArray(Payload& payload, const Visit& visit) {
 class SpillFile {
  public:
   explicit SpillFile(std::string folder) : folder_(std::move(folder)) {
-    if (folder_.empty()) {
-      const char* tmpdir = std::getenv("TMPDIR");
-      folder_ = tmpdir != nullptr && *tmpdir != '\0' ? tmpdir : "/tmp";
-    }
+    if (folder_.empty()) folder_ = std::filesystem::temp_directory_path().string();
   }
   ~SpillFile() {
     if (file_ >= 0) close(file_);

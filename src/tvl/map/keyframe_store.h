@@ -13,8 +13,8 @@ struct KeyframeStoreOptions {
   // Payloads kept in memory. A keyframe of a 64-beam lidar takes 0.25-0.35 MB (points 16 bytes
   // each, 500 image features 60 bytes each): 1.5-2 km of road without touching the file.
   double memory_mib = 512.0;
-  // Of the file for the others, made when first needed and gone with the store. Empty: TMPDIR, else
-  // /tmp.
+  // Of the file for the others, made when first needed and gone with the store. Empty: the
+  // system's folder for temporary files.
   std::string folder;
   void Check() const;
 };

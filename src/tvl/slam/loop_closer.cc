@@ -6,7 +6,7 @@
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/loop/vocabulary_file.h"
-#include "tvl/slam/loop_consistency.h"
+#include "tvl/slam/loop_support.h"
 
 namespace tvl {
 namespace {
@@ -69,7 +69,7 @@ class LoopCloser::Impl {
 
  private:
   struct Pending {
-    MeasuredLoop loop;
+    PoseConstraint loop;
     size_t record = 0;
   };
   size_t Index(int keyframe) const { return static_cast<size_t>(keyframe); }
@@ -90,6 +90,7 @@ class LoopCloser::Impl {
   LidarProposer lidar_;
   LoopVerifier verifier_;
   IncrementalPoseGraph graph_;
+  OdometryChain odometry_;
   KeyframeTrack track_;
   std::vector<Rigid3d> T_odom_lidar_;
   std::vector<FrameId> frames_;
@@ -216,13 +217,11 @@ void LoopCloser::Impl::Judge(const std::vector<LoopProposal>& proposals, LoopTim
 void LoopCloser::Impl::Weigh(size_t index) {
   LoopRecord& record = report.records[index];
   const LoopProposal& proposal = record.proposal;
-  const MeasuredLoop loop{proposal.history, proposal.current, record.verdict.T_history_current,
-                          record.verdict.covariance};
-  const Rigid3d T_history_current =
-      poses()[Index(loop.history)].Inverse() * poses()[Index(loop.current)];
-  record.chi2 =
-      GraphChi2(loop, T_history_current, graph_.RelativeCovariance(loop.history, loop.current),
-                record.linked_path_m, options_.consistency);
+  const PoseConstraint loop{proposal.history, proposal.current, record.verdict.T_history_current,
+                            InformationOf(record.verdict.covariance)};
+  const Rigid3d T_history_current = poses()[Index(loop.from)].Inverse() * poses()[Index(loop.to)];
+  record.chi2 = GraphChi2(loop, T_history_current, graph_.RelativeCovariance(loop.from, loop.to),
+                          record.linked_path_m, options_.consistency);
   if (record.chi2 > options_.consistency.max_chi2) {
     record.outcome = LoopOutcome::kInconsistent;
     return;
@@ -231,10 +230,10 @@ void LoopCloser::Impl::Weigh(size_t index) {
     Accept({loop, index});
     return;
   }
-  std::vector<MeasuredLoop> others;
+  std::vector<PoseConstraint> others;
   for (const Pending& pending : pending_) others.push_back(pending.loop);
   const std::vector<size_t> support =
-      FindSupport(loop, others, T_odom_lidar_, track_.path_m, options_.consistency);
+      FindSupport(loop, others, odometry_, track_.path_m, options_.consistency);
   pending_.push_back({loop, index});
   if (static_cast<int>(support.size()) < options_.consistency.min_support) return;
   Accept(pending_.back());
@@ -245,11 +244,9 @@ void LoopCloser::Impl::Accept(const Pending& pending) {
   LoopRecord& record = report.records[pending.record];
   if (record.outcome == LoopOutcome::kAccepted) return;
   record.outcome = LoopOutcome::kAccepted;
-  const MeasuredLoop& loop = pending.loop;
-  links_.push_back({loop.history, loop.current});
-  has_loop_[Index(loop.current)] = 1;
-  new_.push_back(
-      {loop.history, loop.current, loop.T_history_current, InformationOf(loop.covariance)});
+  links_.push_back({pending.loop.from, pending.loop.to});
+  has_loop_[Index(pending.loop.to)] = 1;
+  new_.push_back(pending.loop);
   loop_records_.push_back(pending.record);
 }
 

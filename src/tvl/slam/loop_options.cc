@@ -13,9 +13,6 @@ void LoopConsistencyOptions::Check() const {
   TVL_CHECK_INPUT(min_support >= 0) << "loops.consistency.min_support: must not be negative";
   TVL_CHECK_INPUT(max_support_path_m > min_support_gap_m && min_support_gap_m >= 0.0)
       << "loops.consistency: want max_support_path_m > min_support_gap_m >= 0";
-  TVL_CHECK_INPUT(support_translation_share > 0.0 && support_rotation_rad_per_m > 0.0)
-      << "loops.consistency.support_translation_share, support_rotation_rad_per_m: must be "
-         "positive";
 }
 
 void LoopOptions::Check() const {

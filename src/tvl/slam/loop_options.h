@@ -31,9 +31,6 @@ struct LoopConsistencyOptions {
   // moment, not while driving along it.
   int min_support = 2;
   double min_support_gap_m = 2.0, max_support_path_m = 40.0;
-  // Of the odometry between two supporting loops: shares of its length (design 4.5).
-  double support_translation_share = 0.005;
-  double support_rotation_rad_per_m = 1e-4;
   void Check() const;
 };
 
