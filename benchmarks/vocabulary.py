@@ -10,7 +10,7 @@ prints the recall at 100 % precision of both
     later); an image counts as found when its best earlier image is within 10 m and more alike than
     any image's best one that is not;
   - on real images neither was trained on: frames of one sequence 2, 3 and 5 apart against all those
-    25 or more apart and those of the other sequence;
+    25 or more apart and those of the other sequence (`first`: against those of the same image);
 and the time of a query over all images of the first drive, --repeat times over.
 """
 
@@ -69,15 +69,18 @@ def drive_recall(similarity, poses, times_s):
 
 
 def real_recall(similarity, lengths, gap):
-    """Recall for pairs `gap` frames apart against far pairs, over all sequences."""
+    """For pairs `gap` frames apart: the share more alike than every far pair, and the share more
+    alike than the far pairs of the same image."""
     start = np.repeat(np.cumsum([0, *lengths[:-1]]), lengths)
     image = np.arange(len(start))
-    right = [similarity[i, i - gap] for i in image if i - gap >= start[i]]
+    query = np.array([i for i in image if i - gap >= start[i] and i > FAR_FRAMES])
+    right = similarity[query, query - gap]
     far = (start[:, None] != start[None]) | (image[:, None] - image[None] >= FAR_FRAMES)
     far &= image[:, None] > image[None]
     # The first image of a sequence has no predecessor to be measured by.
     far[image == start] = False
-    return float(np.mean(np.array(right) > similarity[far].max()))
+    wrong = np.where(far, similarity, 0.0)
+    return np.mean(right > wrong.max()), np.mean(right > wrong[query].max(axis=1))
 
 
 def read_drive(drive, stride):
@@ -108,14 +111,15 @@ def main():
                          "--stride", args.stride, *repeat)
         for name, table in tables.items():
             recall, positives = drive_recall(table, *read_drive(drive, args.stride))
-            rows.append((f"{drive.name} ({positives} revisits)", name, recall))
+            rows.append((f"{drive.name} ({positives} revisits)", name, f"{recall:.2f}"))
     folders = [data / "sequences" / name / "image_2" for name in REAL]
     lengths = [len(list(folder.glob("*.png"))) for folder in folders]
     for name, table in compare(args, folders, "real", vocabularies).items():
-        rows += [(f"real, {gap} frames apart", name, real_recall(table, lengths, gap))
-                 for gap in GAPS]
-    for what, name, recall in sorted(rows):
-        print(f"{what:<32} {name:<8} recall at 100 % precision {recall:.2f}")
+        for gap in GAPS:
+            recall, first = real_recall(table, lengths, gap)
+            rows.append((f"real, {gap} frames apart", name, f"{recall:.2f}  first {first:.2f}"))
+    for what, name, figures in sorted(rows):
+        print(f"{what:<32} {name:<8} recall at 100 % precision {figures}")
 
 
 if __name__ == "__main__":
