@@ -93,6 +93,11 @@ struct Candidate {
   LoopEvidence evidence;
 };
 
+// What fits less what contradicts.
+double FitOf(const Candidate& candidate) {
+  return std::max(0.0, candidate.evidence.overlap - candidate.evidence.seen_through);
+}
+
 // Best first.
 std::vector<Candidate> RegisterPeaks(const Scene& scene, const std::vector<BevPeak>& peaks) {
   const Rigid3d T_history_odom = scene.T_odom_history.Inverse();
@@ -108,21 +113,19 @@ std::vector<Candidate> RegisterPeaks(const Scene& scene, const std::vector<BevPe
     candidates.push_back(candidate);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) {
-                     return a.evidence.overlap > b.evidence.overlap;
-                   });
+                   [](const Candidate& a, const Candidate& b) { return FitOf(a) > FitOf(b); });
   return candidates;
 }
 
-// The overlap of the best of `others` that is not the same alignment as `best`, relative to best's.
+// The fit of the best of `others` that is not the same alignment as `best`, relative to best's.
 double Ambiguity(const std::vector<Candidate>& others, const Candidate& best,
                  const BevAlignmentOptions& options) {
-  if (best.evidence.overlap <= 0.0) return 1.0;
+  if (FitOf(best) <= 0.0) return 1.0;
   for (const Candidate& other : others) {
     const Rigid3d difference = best.T_odom_current.Inverse() * other.T_odom_current;
     const bool is_same = difference.t().norm() < 0.5 * options.peak_distance_m &&
                          difference.RotationAngle() < options.peak_yaw_rad;
-    if (!is_same) return other.evidence.overlap / best.evidence.overlap;
+    if (!is_same) return FitOf(other) / FitOf(best);
   }
   return 0.0;
 }

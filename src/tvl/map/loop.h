@@ -58,7 +58,7 @@ struct LoopVerdict {
   double raised_rms_m = 0.0;  // of points above the ground alone
   double overlap = 0.0;       // share of voxels above the ground that the history has too, 0..1
   double seen_through = 0.0;  // share of those voxels empty there, with rays passing them
-  double ambiguity = 0.0;     // fit of the second best alignment to the best's, 0..1
+  double ambiguity = 0.0;     // fit (overlap - seen_through) of the second best to the best's
   double coarse_score = 0.0;  // of the bird's-eye-view alignment, 0..1
   double translation_ratio = 0.0, rotation_ratio = 0.0;  // see registration/weakness.h
   int points = 0;                                        // plane points judged
