@@ -23,7 +23,8 @@ void LoopEvidenceOptions::Check() const {
 }
 
 double TrimmedRms_m(std::vector<double> distances_m, double share) {
-  const auto kept = static_cast<size_t>(share * static_cast<double>(distances_m.size()) + 0.5);
+  const auto kept =
+      static_cast<size_t>(std::lround(share * static_cast<double>(distances_m.size())));
   if (kept == 0) return 0.0;
   std::sort(distances_m.begin(), distances_m.end());
   double sum = 0.0;

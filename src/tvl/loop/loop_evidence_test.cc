@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "tvl/base/check.h"
+#include "tvl/geometry/point_index.h"
 #include "tvl/loop/seen_ranges.h"
 #include "tvl/loop/test_passes.h"
 
@@ -100,13 +101,15 @@ TEST(LoopEvidence, OfAPlaceNeverSeenThereIsNone) {
 
 TEST(SeenRanges, AreTheFurthestInEachDirection) {
   KeyframeCloud cloud;
-  cloud.planes.points = {{10.0f, 0.1f, 0.05f}, {10.4f, 0.1f, 0.05f}, {-3.0f, 4.0f, -1.0f}};
+  cloud.planes.points = {
+      {10.0f, 0.1f, 0.05f}, {10.4f, 0.1f, 0.05f}, {9.0f, 0.1f, 0.05f}, {-3.0f, 4.0f, -1.0f}};
   cloud.edges.points = {{0.0f, -7.0f, 0.0f}};
   const SeenRanges seen(cloud);
   EXPECT_NEAR(seen.Towards({5.0f, 0.05f, 0.025f}), 10.4, 0.01);
   EXPECT_NEAR(seen.Towards({-30.0f, 40.0f, -10.0f}), std::sqrt(26.0), 0.01);
   EXPECT_NEAR(seen.Towards({0.0f, -1.0f, 0.0f}), 7.0, 0.01);
   EXPECT_EQ(seen.Towards({5.0f, 5.0f, 0.0f}), 0.0f) << "nothing measured there";
+  EXPECT_EQ(seen.Towards({5.0f, 0.4f, 0.025f}), 0.0f) << "3.4 degrees beside";
   EXPECT_EQ(seen.Towards({0.0f, 0.0f, 5.0f}), 0.0f) << "straight up";
   EXPECT_EQ(seen.Towards({1.0f, 0.0f, 5.0f}), 0.0f) << "steeper than any lidar looks";
 }
@@ -137,8 +140,21 @@ TEST(LoopSource, PutsTheStretchIntoTheCurrentFrame) {
     EXPECT_TRUE(std::abs(p.y()) > 2.0 || is_ground) << "the lane is free: " << p.transpose();
   }
   EXPECT_GT(on_ground, 300);
+  std::vector<Eigen::Vector3f> seen;  // by keyframes 46, 48 ... 56, at their true poses
+  for (size_t k = 46; k <= 56; k += 2) {
+    for (const auto* cloud : {&f.passes.clouds[k]->planes, &f.passes.clouds[k]->edges}) {
+      for (const Eigen::Vector3f& point : cloud->points) {
+        seen.push_back((f.passes.T_world_lidar[k] * point.cast<double>()).cast<float>());
+      }
+    }
+  }
+  const PointIndex index(seen);
   for (const Eigen::Vector3f& point : f.source.raised) {
-    EXPECT_GT((T_world_current * point.cast<double>()).z(), -1.2);
+    const Eigen::Vector3d p = T_world_current * point.cast<double>();
+    EXPECT_GT(p.z(), -1.2);
+    Neighbour nearest;
+    ASSERT_EQ(index.Nearest(p.cast<float>(), 1, &nearest), 1u);
+    EXPECT_LT(nearest.distance_sq_m2, 1e-4f) << p.transpose();
   }
 }
 
