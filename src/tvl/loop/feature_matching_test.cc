@@ -85,6 +85,16 @@ TEST(FeatureMatching, IsOneToOneAndSymmetric) {
   EXPECT_EQ(there, back);
 }
 
+TEST(FeatureMatching, TwoThatWantTheSameOneAreNotBothServed) {
+  Rng rng(5);
+  const BinaryDescriptor sign = RandomDescriptor(rng);
+  const ImageFeatures history = With({WithNoise(sign, 20, rng), sign});
+  const ImageFeatures current = With({sign});
+  const auto pairs = MatchFeatures(history, OneNode(history), current, OneNode(current), {});
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].history, 1);
+}
+
 TEST(FeatureMatching, OptionsAreChecked) {
   FeatureMatchingOptions options;
   options.max_ratio = 0.0;

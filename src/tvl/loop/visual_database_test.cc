@@ -37,6 +37,7 @@ TEST_F(VisualDatabaseTest, QueriesEqualBruteForce) {
     database.Add(images.back());
   }
   ASSERT_EQ(database.size(), 60);
+  size_t compared = 0;
   for (const int query : {0, 17, 30, 59}) {
     for (const int end : {0, 10, 59}) {
       const std::vector<VisualMatch> matches = database.Query(query, end);
@@ -52,8 +53,10 @@ TEST_F(VisualDatabaseTest, QueriesEqualBruteForce) {
         ++next;
       }
       EXPECT_EQ(next, matches.size());
+      compared += next;
     }
   }
+  EXPECT_GT(compared, 100U);
 }
 
 TEST_F(VisualDatabaseTest, TheSameImageIsTheMostAlike) {

@@ -140,6 +140,18 @@ TEST(Vocabulary, RefusesNothingToTrainOnAndBadOptions) {
   EXPECT_THROW(Vocabulary(2, 1, {VocabularyNode{}}), Error);
 }
 
+TEST(Vocabulary, AWordIsTheMajorityOfItsMembers) {
+  Rng rng(7);
+  const BinaryDescriptor a = RandomDescriptor(rng), b = RandomDescriptor(rng);
+  const std::vector<BinaryDescriptor> members = {a, WithNoise(a, 40, rng), a, b, b};
+  const Vocabulary vocabulary = Vocabulary::Train({members}, Small(2, 1), 1);
+  std::set<BinaryDescriptor> words;
+  for (const int32_t leaf : vocabulary.leaf_of_word()) {
+    words.insert(vocabulary.nodes()[static_cast<size_t>(leaf)].descriptor);
+  }
+  EXPECT_EQ(words, (std::set<BinaryDescriptor>{a, b}));
+}
+
 TEST(Vocabulary, FewDifferentDescriptorsGiveFewWords) {
   Rng rng(6);
   const BinaryDescriptor a = RandomDescriptor(rng), b = RandomDescriptor(rng);
