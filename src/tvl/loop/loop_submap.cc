@@ -20,8 +20,7 @@ void LoopSubmapOptions::Check() const {
   TVL_CHECK_INPUT(keyframes_each_way >= 1) << "loop_submap.keyframes_each_way: at least 1";
   TVL_CHECK_INPUT(every_keyframe >= 1) << "loop_submap.every_keyframe: at least 1";
   TVL_CHECK_INPUT(every_point >= 1) << "loop_submap.every_point: at least 1";
-  TVL_CHECK_INPUT(every_view >= 1 && every_view % every_keyframe == 0)
-      << "loop_submap.every_view: must be a multiple of every_keyframe";
+  TVL_CHECK_INPUT(every_view >= 1) << "loop_submap.every_view: must be at least 1";
   TVL_CHECK_INPUT(view_range_m > 1.0) << "loop_submap.view_range_m: must exceed 1";
   TVL_CHECK_INPUT(view_margin_m >= 0.0) << "loop_submap.view_margin_m: must not be negative";
   TVL_CHECK_INPUT(voxel_m > 0.05) << "loop_submap.voxel_m: must exceed 0.05";
@@ -63,7 +62,8 @@ void LoopSubmap::MoveTo(int centre, int end, const std::vector<Rigid3d>& T_odom_
     if (!members_.emplace(k, T).second) continue;
     const std::shared_ptr<const KeyframeCloud> added = cloud(k);
     Change(*added, T, 1, executor);
-    if (k % options_.every_view == 0) views_.emplace(k, View{T.Inverse(), SeenRanges(*added)});
+    if (k % (options_.every_keyframe * options_.every_view) == 0)
+      views_.emplace(k, View{T.Inverse(), SeenRanges(*added)});
   }
   DropEmpty();
 }

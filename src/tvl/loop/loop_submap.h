@@ -29,7 +29,7 @@ struct LoopSubmapOptions {
   int every_keyframe = 2;       // 2 m apart suffice: each sees 50 m
   int every_point = 3;          // of F_lf: 5,000 of 15,000 a keyframe; surfels want 8 in a voxel
   double voxel_m = 0.5;         // of the occupancy (design 4.7)
-  int every_view = 4;           // keyframes whose view tells what the submap could see
+  int every_view = 2;           // of these: their view tells what the submap could see
   // Beyond, a keyframe sees the ground in arcs metres apart, no surfaces: what it saw there says
   // little of what must be there.
   double view_range_m = 25.0;

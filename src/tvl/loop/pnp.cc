@@ -119,7 +119,7 @@ Rigid3d SearchPose(const std::vector<Sighting>& sightings, const PnpOptions& opt
   for (size_t i = 0; i < sightings.size(); ++i) {
     (sightings[i].in_history ? in_history : in_current).push_back(static_cast<int>(i));
   }
-  Rng rng(options.seed);
+  Rng rng(static_cast<uint64_t>(options.seed));
   Rigid3d best;
   Support best_support{1e300, 0};
   for (int i = 0, needed = options.max_iterations; i < needed; ++i) {

@@ -20,7 +20,7 @@ struct PnpOptions {
   double min_inlier_share = 0.3;
   double confidence = 0.999;  // of having drawn one sample free of outliers
   int max_iterations = 400;   // enough for one inlier in four at that confidence
-  uint64_t seed = 1;          // the same samples for the same matches
+  int seed = 1;               // the same samples for the same matches
 
   void Check() const;  // throws InputError naming the field
 };

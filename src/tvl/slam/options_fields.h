@@ -1,13 +1,15 @@
 // The one list of option fields: loading, dumping and checking all walk it, so they cannot
 // disagree.
 //
-// A new field needs one line here (TVL_FIELD with its name) and a row in docs/options.md; a new
-// struct needs a VisitFields of its own. options_io_test.cc fails until that is done.
+// A new field needs one line here or, for loops, in loop_options_fields.h (TVL_FIELD with its name)
+// and a row in docs/options.md; a new struct needs a VisitFields of its own. options_io_test.cc
+// fails until that is done.
 //
 // A visitor is called as visit("name", field) for each field in the order of the struct; a field
 // that is itself a struct of options is handed over whole.
 #pragma once
 
+#include "tvl/slam/loop_options_fields.h"
 #include "tvl/slam/slam_runner.h"
 
 namespace tvl {
@@ -304,12 +306,6 @@ void VisitFields(Visitor& visit, MappingOptions& options) {
   TVL_FIELD(local_map);
   TVL_FIELD(landmarks);
   TVL_FIELD(scan_to_map);
-}
-
-template <typename Visitor>
-void VisitFields(Visitor& visit, LoopOptions& options) {
-  TVL_FIELD(enabled);
-  TVL_FIELD(lag_keyframes);
 }
 
 template <typename Visitor>

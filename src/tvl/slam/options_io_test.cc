@@ -264,6 +264,8 @@ class Scrambler {
       field.push_back(4.0 + 1.0 / 3.0);
     } else if constexpr (std::is_same_v<T, std::string>) {
       field += "a folder: #1";
+    } else if constexpr (std::is_same_v<T, LoopLoss>) {
+      field = field == LoopLoss::kHuber ? LoopLoss::kNone : LoopLoss::kHuber;
     } else if constexpr (std::is_same_v<T, SurfelKind>) {
       field = field == SurfelKind::kPlane ? SurfelKind::kLine : SurfelKind::kPlane;
     } else {
