@@ -182,6 +182,7 @@ void VisitFields(Visitor& visit, IncrementalPoseGraphOptions& options) {
   TVL_FIELD(max_iterations);
   TVL_FIELD(loop_loss);
   TVL_FIELD(loop_width_sq);
+  TVL_FIELD(max_innovation_sq);
   TVL_FIELD(min_weight_change);
 }
 
