@@ -189,7 +189,7 @@ def compare_speed(args, seed, noise):
 
 
 def compare_robustness(args, seed, noise, share):
-    false_loops = round(share * args.loops)
+    false_loops = round(share / (1.0 - share) * args.loops)  # a share of all loops
     ours = run_ours(args.program, ["--seed", seed, "--rotation-noise", noise, "--loops", args.loops,
                                    "--false-loops", false_loops])
     clean = ours["clean"]["ate_m"]
@@ -198,7 +198,8 @@ def compare_robustness(args, seed, noise, share):
     for name, v in ours.items():
         if name != "clean":
             print(f"  {name:<24} ATE {v['ate_m']:9.4f} m = {v['ate_m'] / clean:8.2f} x clean, false "
-                  f"kept {v['false_kept']:3d}, true lost {v['true_lost']:3d}, {v['ms']:7.0f} ms")
+                  f"kept {v['false_kept']:3d}, true lost {v['true_lost']:3d}, {v['ms']:7.0f} ms"
+                  + (f", worst loop {v['loop_ms_max']:.1f} ms" if "loop_ms_max" in v else ""))
     return ours
 
 

@@ -11,6 +11,10 @@
 namespace tvl {
 namespace {
 
+// Share of the diagonal. A long chain bends as a whole at 1e-9 of what its links hold: damping
+// above that stalls, so plain Gauss-Newton comes first.
+constexpr double kLeastDamping = 1e-10;
+
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 using Triplets = std::vector<Eigen::Triplet<double, int>>;
 
@@ -121,7 +125,7 @@ class Minimizer {
   // Levenberg-Marquardt, loop weights refreshed before each step; T_world and the counts of
   // `result` are carried on.
   void Run(const LoopWeighing& weighing, BatchPoseGraphResult* result) {
-    double cost = Cost(graph_, result->T_world, weighing), damping = options_.initial_damping;
+    double cost = Cost(graph_, result->T_world, weighing), damping = 0.0;
     result->converged = false;
     for (int i = 0; i < options_.max_iterations && !result->converged; ++i, ++result->iterations) {
       const std::vector<double> weights = Weights(graph_, result->T_world, weighing);
@@ -133,9 +137,9 @@ class Minimizer {
       if (next_cost < cost) {
         cost = next_cost;
         result->T_world = std::move(next);
-        damping = std::max(options_.initial_damping, 0.1 * damping);
+        damping = damping > kLeastDamping ? 0.01 * damping : 0.0;
       } else {
-        damping *= 100.0;
+        damping = std::max(kLeastDamping, 100.0 * damping);
       }
     }
   }
@@ -238,7 +242,6 @@ void BatchPoseGraphOptions::Check() const {
   TVL_CHECK_INPUT(gnc_step > 1.0) << "gnc_step must be above 1";
   TVL_CHECK_INPUT(max_iterations >= 1) << "max_iterations must be at least 1";
   TVL_CHECK_INPUT(min_cost_decrease >= 0.0) << "min_cost_decrease must not be negative";
-  TVL_CHECK_INPUT(initial_damping >= 0.0) << "initial_damping must not be negative";
 }
 
 double PoseGraphCost(const PoseGraph& graph, const std::vector<Rigid3d>& T_world, LoopLoss loss,

@@ -25,7 +25,6 @@ struct BatchPoseGraphOptions {
   int max_iterations = 30;
   // Converged when the cost falls by less than this share.
   double min_cost_decrease = 1e-9;
-  double initial_damping = 1e-9;  // relative to the diagonal: the problem is well posed
 
   // Throws InputError naming the field.
   void Check() const;

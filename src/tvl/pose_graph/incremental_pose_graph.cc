@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tvl/base/check.h"
 #include "tvl/pose_graph/constraint_error.h"
@@ -24,6 +25,7 @@ void IncrementalPoseGraphOptions::Check() const {
       << "settle_translation_m must lie between 0 and relinearize_translation_m";
   TVL_CHECK_INPUT(max_iterations >= 1) << "max_iterations must be at least 1";
   TVL_CHECK_INPUT(loop_width_sq > 0.0) << "loop_width_sq must be positive";
+  TVL_CHECK_INPUT(max_innovation_sq > 0.0) << "max_innovation_sq must be positive";
   TVL_CHECK_INPUT(min_weight_change > 0.0) << "min_weight_change must be positive";
   TVL_CHECK_INPUT(loop_loss != LoopLoss::kGnc)
       << "loop_loss: truncated least squares need the batch optimiser";
@@ -66,8 +68,9 @@ PoseGraphUpdate IncrementalPoseGraph::AddLoops(const std::vector<PoseConstraint>
   std::vector<double> weights;
   for (const PoseConstraint& loop : loops) {
     // After a long way every loop is far off: what counts is whether the graph is sure of that.
-    const double e_sq = options_.loop_loss == LoopLoss::kNone ? 0.0 : InnovationSq(loop);
-    weights.push_back(EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).weight);
+    const bool is_doubted =
+        options_.loop_loss != LoopLoss::kNone && InnovationSq(loop) > options_.max_innovation_sq;
+    weights.push_back(is_doubted ? 0.0 : 1.0);
   }
   for (size_t k = 0; k < loops.size(); ++k) {
     const PoseConstraint& loop = loops[k];
@@ -76,6 +79,26 @@ PoseGraphUpdate IncrementalPoseGraph::AddLoops(const std::vector<PoseConstraint>
     touched.insert(touched.end(), {loop.from, loop.to});
   }
   return Solve(std::move(touched));
+}
+
+PoseGraphUpdate IncrementalPoseGraph::Adopt(const BatchPoseGraphResult& batch) {
+  TVL_CHECK(batch.T_world.size() == estimates_.size()) << "the batch solution has other poses";
+  linearized_at_ = estimates_ = batch.T_world;
+  size_t next = 0;
+  for (const int term : loop_terms_) {
+    if (is_removed_[term]) continue;
+    TVL_CHECK(next < batch.loop_weights.size()) << "the batch solution has fewer loops";
+    const double weight = batch.loop_weights[next++];
+    weights_[term] = weight > kNegligibleWeight ? weight : 0.0;
+  }
+  TVL_CHECK(next == batch.loop_weights.size()) << "the batch solution has more loops";
+  std::vector<int> all(estimates_.size() - 1);
+  std::iota(all.begin(), all.end(), 1);
+  for (const int v : all) tree_.ClearStep(v);
+  for (size_t term = 0; term < constraints_.size(); ++term) LinearizeTerm(static_cast<int>(term));
+  PoseGraphUpdate update = Solve(all);
+  update.relinearized += static_cast<int>(all.size());
+  return update;
 }
 
 PoseGraphUpdate IncrementalPoseGraph::RemoveLoops(const std::vector<int>& loops) {
@@ -158,8 +181,10 @@ std::vector<int> IncrementalPoseGraph::ReweighLoops() {
   for (int loop = 0; loop < loops(); ++loop) {
     const int term = loop_terms_[loop];
     if (is_removed_[term]) continue;
-    const double weight =
-        EvaluateLoopLoss(options_.loop_loss, LoopErrorSq(loop), options_.loop_width_sq).weight;
+    const double e_sq = LoopErrorSq(loop);
+    // A loop in doubt stays out until the graph agrees with it: half a weight would pull it there.
+    if (weights_[term] == 0.0 && e_sq > options_.loop_width_sq) continue;
+    const double weight = EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).weight;
     const double larger = std::max({weight, weights_[term], kNegligibleWeight});
     if (std::abs(weight - weights_[term]) < options_.min_weight_change * larger) continue;
     weights_[term] = weight;

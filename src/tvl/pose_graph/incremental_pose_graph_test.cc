@@ -171,6 +171,63 @@ TEST(IncrementalPoseGraph, AFalseLoopIsLeftAlone) {
   EXPECT_LT(AlignedRmse(graph.estimates(), drive.truth), 1.1 * clean_m);
 }
 
+Matrix6d Information(double rotation_rad, double translation_m) {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(rotation_rad), Eigen::Vector3d::Constant(translation_m);
+  return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+}
+
+PoseConstraint LoopAside(int from, int to, double aside_m) {
+  return {from, to, Rigid3d::Translation(to - from, aside_m, 0), Information(0.003, 0.05)};
+}
+
+// Straight on for 200 m, with a first loop that is 1.5 m off: the drift still allows that.
+IncrementalPoseGraph Deceived() {
+  IncrementalPoseGraph graph{IncrementalPoseGraphOptions()};
+  graph.AddFirst(Rigid3d());
+  for (int k = 1; k <= 200; ++k) {
+    graph.AddKeyframe({k - 1, k, Rigid3d::Translation(1, 0, 0), Information(0.002, 0.02)});
+  }
+  graph.AddLoops({LoopAside(0, 150, 1.5)});
+  EXPECT_GT(graph.LoopWeights()[0], 0.9);
+  EXPECT_NEAR(graph.estimates()[150].t().y(), 1.5, 0.1);
+  return graph;
+}
+
+TEST(IncrementalPoseGraph, ALoopBelievedAtFirstIsGivenUpWhenOthersContradict) {
+  IncrementalPoseGraph graph = Deceived();
+  std::vector<PoseConstraint> loops;
+  for (int k = 0; k < 4; ++k) {
+    loops.push_back(LoopAside(0, 151 + k, 0.0));
+  }
+  graph.AddLoops(loops);
+  EXPECT_GT(graph.LoopWeights()[0], 0.9);  // it came first, so the true ones wait
+  for (int k = 1; k <= 4; ++k) EXPECT_EQ(graph.LoopWeights()[k], 0.0) << k;
+  const auto expect_recovered = [&] {
+    EXPECT_LT(graph.LoopWeights()[0], 0.3);
+    for (int k = 1; k <= 4; ++k) EXPECT_GT(graph.LoopWeights()[k], 0.9) << k;
+    EXPECT_NEAR(graph.estimates()[150].t().y(), 0.0, 0.1);
+  };
+  const PoseGraph all = graph.Graph();
+  graph.Adopt(OptimizeBatch(all, BatchPoseGraphOptions()));
+  expect_recovered();
+  graph.AddKeyframe({200, 201, Rigid3d::Translation(1, 0, 0), Matrix6d::Identity()});
+  graph.AddLoops({LoopAside(11, 162, 0.0)});
+  expect_recovered();
+  EXPECT_THROW(graph.Adopt(OptimizeBatch(all, BatchPoseGraphOptions())), Error);
+}
+
+TEST(IncrementalPoseGraph, WeightsFollowTheEstimates) {
+  // No loop is a surprise when it comes, but the first is left more and more alone.
+  IncrementalPoseGraph graph = Deceived();
+  for (const auto& [aside_m, count] :
+       std::vector<std::pair<double, int>>{{1.38, 5}, {1.26, 10}, {1.18, 20}}) {
+    for (int k = 0; k < count; ++k) graph.AddLoops({LoopAside(0, 150, aside_m)});
+  }
+  EXPECT_GT(graph.LoopWeights().back(), 0.9);
+  EXPECT_LT(graph.LoopWeights()[0], 0.8);
+}
+
 TEST(IncrementalPoseGraph, SameInputSameBytes) {
   const PoseGraph graph = RandomGraph(6, 80, 30);
   const IncrementalPoseGraph a = Grown(graph, IncrementalPoseGraphOptions());
