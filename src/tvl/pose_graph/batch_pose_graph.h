@@ -19,9 +19,9 @@ struct BatchPoseGraphOptions {
   // (chi-square of 6).
   double loop_width_sq = 16.8;
   // kGnc only: factor by which the truncated loss sharpens from round to round; 1.4 in the
-  // publication, 2 takes half the time with the same result.
+  // publication, 2 needs half the rounds.
   double gnc_step = 2.0;
-  // Of one minimisation with fixed loop weights; the graphs of a drive need 3 to 6.
+  // Of one minimisation with fixed loop weights; the graphs of a drive need 4 or 5.
   int max_iterations = 30;
   // Converged when the cost falls by less than this share.
   double min_cost_decrease = 1e-9;
