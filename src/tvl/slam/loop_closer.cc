@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
@@ -30,6 +31,8 @@ const char* ToString(LoopOutcome outcome) {
       return "refused";
     case LoopOutcome::kInconsistent:
       return "inconsistent";
+    case LoopOutcome::kLookalike:
+      return "lookalike";
     case LoopOutcome::kUnsupported:
       return "unsupported";
     case LoopOutcome::kCovered:
@@ -78,6 +81,9 @@ class LoopCloser::Impl {
   }
   LoopRecord Verify(const LoopProposal& proposal, double linked_path_m);
   void Weigh(size_t record);
+  // Keyframes near the loop, as far apart as support must be, that could not tell whether they see
+  // the same stretch, or saw that they do not.
+  int DoubtsAbout(const PoseConstraint& loop) const;
   void Accept(const Pending& pending);
   bool IsCovered(const LoopProposal& proposal, const std::vector<LoopRecord>& judged) const;
   std::vector<double> LinkedPathOf(int keyframe) const {
@@ -121,7 +127,7 @@ void LoopCloser::Impl::Add(const Keyframe& keyframe, LoopTimes* times) {
   const Stopwatch describe;
   const std::shared_ptr<const KeyframePayload> payload = store_->Get(index);
   if (options_.use_visual) visual_.Add(payload->image);
-  if (options_.use_lidar) lidar_.Add(DescribePlace(payload->cloud, options_.lidar_descriptor));
+  lidar_.Add(DescribePlace(payload->cloud, options_.lidar_descriptor));
   times->describe_ms = describe.ElapsedMs();
 }
 
@@ -230,14 +236,49 @@ void LoopCloser::Impl::Weigh(size_t index) {
     Accept({loop, index});
     return;
   }
+  record.lookalike = lidar_.Lookalike(track_, loop.to, loop.from,
+                                      EligibleHistory(track_, loop.to, options_.separation));
+  if (record.lookalike > options_.consistency.max_lookalike) {
+    record.outcome = LoopOutcome::kLookalike;
+    return;
+  }
   std::vector<PoseConstraint> others;
   for (const Pending& pending : pending_) others.push_back(pending.loop);
   const std::vector<size_t> support =
       FindSupport(loop, others, odometry_, track_.path_m, options_.consistency);
   pending_.push_back({loop, index});
   if (static_cast<int>(support.size()) < options_.consistency.min_support) return;
+  const double agreeing = 1.0 + static_cast<double>(support.size());
+  const double doubting = DoubtsAbout(loop);
+  if (agreeing < options_.consistency.min_support_share * (agreeing + doubting)) return;
   Accept(pending_.back());
   for (const size_t i : support) Accept(pending_[i]);
+}
+
+int LoopCloser::Impl::DoubtsAbout(const PoseConstraint& loop) const {
+  const auto path_m = [&](int keyframe) { return track_.path_m[Index(keyframe)]; };
+  const auto is_near = [&](int a, int b) {
+    return std::abs(path_m(a) - path_m(b)) <= options_.consistency.max_support_path_m;
+  };
+  std::map<int, bool> tells;  // by current keyframe: verified, or doubtful
+  for (const LoopRecord& record : report.records) {
+    const LoopProposal& p = record.proposal;
+    if (!is_near(p.current, loop.to) || !is_near(p.history, loop.from)) continue;
+    const LoopStatus status = record.verdict.status;
+    const bool is_lookalike = record.outcome == LoopOutcome::kLookalike;
+    if (record.verdict.accepted() && !is_lookalike) tells[p.current] = true;
+    if (is_lookalike || status == LoopStatus::kAmbiguous || status == LoopStatus::kContradicted) {
+      tells.emplace(p.current, false);
+    }
+  }
+  int doubts = 0;
+  double last_m = -1e9;
+  for (const auto& [keyframe, tells_apart] : tells) {
+    if (tells_apart || path_m(keyframe) - last_m < options_.consistency.min_support_gap_m) continue;
+    last_m = path_m(keyframe);
+    ++doubts;
+  }
+  return doubts;
 }
 
 void LoopCloser::Impl::Accept(const Pending& pending) {

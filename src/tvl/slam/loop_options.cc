@@ -13,6 +13,9 @@ void LoopConsistencyOptions::Check() const {
   TVL_CHECK_INPUT(min_support >= 0) << "loops.consistency.min_support: must not be negative";
   TVL_CHECK_INPUT(max_support_path_m > min_support_gap_m && min_support_gap_m >= 0.0)
       << "loops.consistency: want max_support_path_m > min_support_gap_m >= 0";
+  TVL_CHECK_INPUT(max_lookalike > 0.0) << "loops.consistency.max_lookalike: must be positive";
+  TVL_CHECK_INPUT(min_support_share >= 0.0 && min_support_share <= 1.0)
+      << "loops.consistency.min_support_share: must be in 0..1";
 }
 
 void LoopOptions::Check() const {

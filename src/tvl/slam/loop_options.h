@@ -31,14 +31,21 @@ struct LoopConsistencyOptions {
   // moment, not while driving along it.
   int min_support = 2;
   double min_support_gap_m = 2.0, max_support_path_m = 40.0;
+  // ... and among the keyframes in that range whose loops to the same stretch were verified, those
+  // that agree must be at least this share: the others found the place ambiguous or contradicted.
+  // Identical streets differ between the places where they look the same.
+  double min_support_share = 0.6;
+  // A keyframe that looks as much as this like another place (a share of how much it looks like the
+  // place of the loop) has not told the two apart, however well it lies there.
+  double max_lookalike = 0.9;
   void Check() const;
 };
 
 // Drift added to the links between keyframes, per metre driven: to see what loop closing does when
 // odometry is bad. Nothing else should ever set this.
 struct InjectedDriftOptions {
-  double yaw_rad_per_m = 0.0;
-  double across_share = 0.0, along_share = 0.0, up_share = 0.0;  // m per m
+  double yaw_rad_per_m = 0.0;                          // about the lidar's z axis
+  double x_share = 0.0, y_share = 0.0, z_share = 0.0;  // m per m, along the odometry frame's axes
   void Check() const {}
 };
 

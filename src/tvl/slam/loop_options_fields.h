@@ -78,6 +78,7 @@ void VisitFields(Visitor& visit, LidarProposerOptions& options) {
   TVL_FIELD(min_similarity);
   TVL_FIELD(max_ambiguity);
   TVL_FIELD(max_proposals);
+  TVL_FIELD(elsewhere_m);
 }
 
 template <typename Visitor>
@@ -171,6 +172,8 @@ void VisitFields(Visitor& visit, LoopConsistencyOptions& options) {
   TVL_FIELD(min_support);
   TVL_FIELD(min_support_gap_m);
   TVL_FIELD(max_support_path_m);
+  TVL_FIELD(min_support_share);
+  TVL_FIELD(max_lookalike);
 }
 
 template <typename Visitor>
@@ -198,9 +201,9 @@ void VisitFields(Visitor& visit, BatchPoseGraphOptions& options) {
 template <typename Visitor>
 void VisitFields(Visitor& visit, InjectedDriftOptions& options) {
   TVL_FIELD(yaw_rad_per_m);
-  TVL_FIELD(across_share);
-  TVL_FIELD(along_share);
-  TVL_FIELD(up_share);
+  TVL_FIELD(x_share);
+  TVL_FIELD(y_share);
+  TVL_FIELD(z_share);
 }
 
 template <typename Visitor>

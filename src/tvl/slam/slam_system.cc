@@ -52,10 +52,16 @@ FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
   return cloud;
 }
 
-Rigid3d DriftOver(const Rigid3d& motion, const InjectedDriftOptions& drift) {
-  Vector6d xi;
-  xi << 0.0, 0.0, drift.yaw_rad_per_m, drift.along_share, drift.across_share, drift.up_share;
-  return Rigid3d::Exp(motion.t().norm() * xi);
+// The motion between two poses of the odometry frame, with drift.
+Rigid3d MotionWithDrift(const Rigid3d& T_odom_prev, const Rigid3d& T_odom_cur,
+                        const InjectedDriftOptions& drift) {
+  const double length_m = (T_odom_cur.t() - T_odom_prev.t()).norm();
+  Vector6d turn = Vector6d::Zero();
+  turn[2] = length_m * drift.yaw_rad_per_m;
+  const Eigen::Vector3d shift_m =
+      length_m * Eigen::Vector3d(drift.x_share, drift.y_share, drift.z_share);
+  const Rigid3d shifted(T_odom_cur.q(), T_odom_cur.t() + shift_m);
+  return T_odom_prev.Inverse() * shifted * Rigid3d::Exp(turn);
 }
 
 LocalMapMember MemberOf(const Map& map, size_t index) {
@@ -265,8 +271,8 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
   keyframe.T_world_lidar = result.T_odom_lidar;
   if (!map_.keyframes.empty()) {
     const Keyframe& previous = map_.keyframes.back();
-    const Rigid3d T_prev_cur = previous.T_odom_lidar.Inverse() * result.T_odom_lidar;
-    keyframe.T_prev_cur = T_prev_cur * DriftOver(T_prev_cur, options_.loops.injected_drift);
+    keyframe.T_prev_cur =
+        MotionWithDrift(previous.T_odom_lidar, result.T_odom_lidar, options_.loops.injected_drift);
     keyframe.covariance = keyframe_covariance_;
     keyframe.T_world_lidar = previous.T_world_lidar * keyframe.T_prev_cur;
   }
