@@ -33,7 +33,6 @@ void LidarProposerOptions::Check() const {
       << "min_similarity must be between 0 and 1: " << min_similarity;
   TVL_CHECK_INPUT(max_ambiguity >= 0.0 && max_ambiguity <= 1.0)
       << "max_ambiguity must be between 0 and 1: " << max_ambiguity;
-  TVL_CHECK_INPUT(elsewhere_m > 0.0) << "elsewhere_m must be positive: " << elsewhere_m;
   TVL_CHECK_INPUT(max_proposals >= 1) << "max_proposals must be at least 1: " << max_proposals;
 }
 
@@ -53,13 +52,17 @@ const LidarDescriptor& LidarProposer::descriptor(int keyframe) const {
   return descriptors_[static_cast<size_t>(keyframe)];
 }
 
-std::vector<int> LidarProposer::Shortlist(
-    int current, int eligible, const std::function<bool(size_t history)>& may_match) const {
+std::vector<int> LidarProposer::Shortlist(const KeyframeTrack& track, int current, int eligible,
+                                          const std::vector<double>& linked_path_m,
+                                          const DriftRadius& radius) const {
   const LidarDescriptor& place = descriptor(current);
+  const Eigen::Vector3d& here = track.T_world_lidar[static_cast<size_t>(current)].t();
   std::vector<std::pair<float, int>> ranked;  // minus similarity, keyframe
   for (int k = 0; k < eligible; ++k) {
     const size_t i = static_cast<size_t>(k);
-    if (descriptors_[i].cells.empty() || !may_match(i)) continue;
+    if (descriptors_[i].cells.empty()) continue;
+    const double distance_m = (track.T_world_lidar[i].t() - here).norm();
+    if (distance_m > radius.Of(linked_path_m[i])) continue;
     ranked.emplace_back(-SignatureSimilarity(descriptors_[i], place), k);
   }
   std::sort(ranked.begin(), ranked.end());
@@ -84,10 +87,7 @@ std::vector<LoopProposal> LidarProposer::Propose(const KeyframeTrack& track, int
   TVL_CHECK(linked_path_m.size() >= static_cast<size_t>(eligible))
       << linked_path_m.size() << " linked paths for " << eligible << " keyframes";
   if (place.cells.empty() || eligible == 0) return {};
-  const Eigen::Vector3d& here = track.T_world_lidar[static_cast<size_t>(current)].t();
-  const std::vector<int> shortlist = Shortlist(current, eligible, [&](size_t k) {
-    return (track.T_world_lidar[k].t() - here).norm() <= radius.Of(linked_path_m[k]);
-  });
+  const std::vector<int> shortlist = Shortlist(track, current, eligible, linked_path_m, radius);
   if (shortlist.empty()) return {};
   const PlaceMatcher matcher(place, options_.max_offset_m, descriptor_options_);
   std::vector<LoopProposal> ranked;
@@ -111,27 +111,6 @@ std::vector<LoopProposal> LidarProposer::Propose(const KeyframeTrack& track, int
     if (static_cast<int>(proposals.size()) == options_.max_proposals) break;
   }
   return proposals;
-}
-
-double LidarProposer::Lookalike(const KeyframeTrack& track, int current, int history,
-                                int eligible) const {
-  const LidarDescriptor& place = descriptor(current);
-  if (place.cells.empty() || eligible == 0) return 0.0;
-  const PlaceMatcher matcher(place, options_.max_offset_m, descriptor_options_);
-  const auto similarity = [&](int k) { return matcher.Match(descriptor(k)).similarity; };
-  double here = 1e-3;  // unlike: the share grows large, not infinite
-  for (const int step : {-options_.shortlist_gap, 0, options_.shortlist_gap}) {
-    const int k = std::clamp(history + step, 0, size() - 1);
-    here = std::max(here, similarity(k));
-  }
-  const Eigen::Vector3d& there = track.T_world_lidar[static_cast<size_t>(history)].t();
-  double elsewhere = 0.0;
-  for (const int k : Shortlist(current, eligible, [&](size_t i) {
-         return (track.T_world_lidar[i].t() - there).norm() > options_.elsewhere_m;
-       })) {
-    elsewhere = std::max(elsewhere, similarity(k));
-  }
-  return elsewhere / here;
 }
 
 }  // namespace tvl

@@ -1,7 +1,6 @@
 // Loops suspected because the surroundings look alike to the lidar (beyond the paper).
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "tvl/loop/drift_model.h"
@@ -26,8 +25,6 @@ struct LidarProposerOptions {
   double max_ambiguity = 0.9;
   // Proposals a keyframe, each of another pass over the place (or another place).
   int max_proposals = 2;
-  // Where a lookalike is another place: more than a street's width from the place itself.
-  double elsewhere_m = 30.0;
   void Check() const;
 };
 
@@ -50,15 +47,10 @@ class LidarProposer {
                                     const DriftRadius& radius,
                                     const LoopSeparationOptions& separation) const;
 
-  // How much `current` looks like the most alike keyframe elsewhere in the map, as a share of how
-  // much it looks like `history` (or a neighbour of it): near 1 in a town of identical streets,
-  // where looking alike proves nothing. Only keyframes in [0, eligible) count, wherever the
-  // estimate has them. About 3 ms. Large where the two do not look alike; 0 without a descriptor.
-  double Lookalike(const KeyframeTrack& track, int current, int history, int eligible) const;
-
  private:
-  std::vector<int> Shortlist(int current, int eligible,
-                             const std::function<bool(size_t history)>& may_match) const;
+  std::vector<int> Shortlist(const KeyframeTrack& track, int current, int eligible,
+                             const std::vector<double>& linked_path_m,
+                             const DriftRadius& radius) const;
 
   LidarDescriptorOptions descriptor_options_;
   LidarProposerOptions options_;

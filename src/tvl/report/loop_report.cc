@@ -91,8 +91,8 @@ void WriteRow(const LoopRecord& record, const std::vector<TrueKeyframe>& truth, 
       << proposal.matches << "," << ToString(record.outcome) << "," << Status(record) << ","
       << Quoted(verdict.reason) << "," << verdict.rms_m << "," << verdict.raised_rms_m << ","
       << verdict.overlap << "," << verdict.seen_through << "," << verdict.ambiguity << ","
-      << record.chi2 << "," << record.lookalike << "," << record.linked_path_m << ","
-      << record.weight << "," << (record.is_second_look ? 1 : 0);
+      << record.chi2 << "," << record.linked_path_m << "," << record.weight << ","
+      << (record.is_second_look ? 1 : 0);
   for (int i = 0; i < 6; ++i) out << "," << T[i];
   if (!truth.empty()) {
     const LoopError error = ErrorOf(record, truth);
@@ -108,7 +108,7 @@ std::string LoopTable(const LoopReport& report, const std::vector<TrueKeyframe>&
   std::ostringstream out;
   out << std::setprecision(6);
   out << "current_keyframe,history_keyframe,current_frame,history_frame,proposer,score,matches,"
-         "outcome,verdict,reason,rms_m,raised_rms_m,overlap,seen_through,ambiguity,chi2,lookalike,"
+         "outcome,verdict,reason,rms_m,raised_rms_m,overlap,seen_through,ambiguity,chi2,"
          "linked_path_m,weight,second_look,log_rx_rad,log_ry_rad,log_rz_rad,log_x_m,log_y_m,"
          "log_z_m";
   out << (truth.empty() ? "\n" : ",true_distance_m,error_m,error_deg\n");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
@@ -31,8 +30,6 @@ const char* ToString(LoopOutcome outcome) {
       return "refused";
     case LoopOutcome::kInconsistent:
       return "inconsistent";
-    case LoopOutcome::kLookalike:
-      return "lookalike";
     case LoopOutcome::kUnsupported:
       return "unsupported";
     case LoopOutcome::kCovered:
@@ -81,9 +78,9 @@ class LoopCloser::Impl {
   }
   LoopRecord Verify(const LoopProposal& proposal, double linked_path_m);
   void Weigh(size_t record);
-  // Keyframes near the loop, as far apart as support must be, that could not tell whether they see
-  // the same stretch, or saw that they do not.
-  int DoubtsAbout(const PoseConstraint& loop) const;
+  // Of the comparisons made for keyframes near this one: the share that could tell one place from
+  // another.
+  double ShareThatTold(int current) const;
   void Accept(const Pending& pending);
   bool IsCovered(const LoopProposal& proposal, const std::vector<LoopRecord>& judged) const;
   std::vector<double> LinkedPathOf(int keyframe) const {
@@ -184,9 +181,11 @@ LoopRecord LoopCloser::Impl::Verify(const LoopProposal& proposal, double linked_
   LoopRecord record;
   const Rigid3d T_history_current =
       poses()[Index(proposal.history)].Inverse() * poses()[Index(proposal.current)];
-  const double radius_m =
-      std::min(options_.drift.vicinity().Of(linked_path_m),
-               std::max(2.0, 2.0 * options_.consistency.drift_share * linked_path_m + 2.0));
+  // Where the graph is tight a narrow search is enough: two metres, and four standard deviations.
+  const double drift_m = options_.consistency.drift_share * linked_path_m;
+  const double radius_m = linked_path_m <= options_.consistency.linked_path_m
+                              ? 2.0 + 4.0 * drift_m
+                              : options_.drift.vicinity().Of(linked_path_m);
   const VerificationInput input{T_odom_lidar_, [this](int k) { return store_->Cloud(k); },
                                 T_history_current, radius_m};
   record.verdict = verifier_.Verify(proposal, input, executor_);
@@ -236,49 +235,29 @@ void LoopCloser::Impl::Weigh(size_t index) {
     Accept({loop, index});
     return;
   }
-  record.lookalike = lidar_.Lookalike(track_, loop.to, loop.from,
-                                      EligibleHistory(track_, loop.to, options_.separation));
-  if (record.lookalike > options_.consistency.max_lookalike) {
-    record.outcome = LoopOutcome::kLookalike;
-    return;
-  }
   std::vector<PoseConstraint> others;
   for (const Pending& pending : pending_) others.push_back(pending.loop);
   const std::vector<size_t> support =
       FindSupport(loop, others, odometry_, track_.path_m, options_.consistency);
   pending_.push_back({loop, index});
   if (static_cast<int>(support.size()) < options_.consistency.min_support) return;
-  const double agreeing = 1.0 + static_cast<double>(support.size());
-  const double doubting = DoubtsAbout(loop);
-  if (agreeing < options_.consistency.min_support_share * (agreeing + doubting)) return;
+  if (ShareThatTold(loop.to) < options_.consistency.min_support_share) return;
   Accept(pending_.back());
   for (const size_t i : support) Accept(pending_[i]);
 }
 
-int LoopCloser::Impl::DoubtsAbout(const PoseConstraint& loop) const {
-  const auto path_m = [&](int keyframe) { return track_.path_m[Index(keyframe)]; };
-  const auto is_near = [&](int a, int b) {
-    return std::abs(path_m(a) - path_m(b)) <= options_.consistency.max_support_path_m;
-  };
-  std::map<int, bool> tells;  // by current keyframe: verified, or doubtful
+double LoopCloser::Impl::ShareThatTold(int current) const {
+  const double path_m = track_.path_m[Index(current)];
+  double told = 0.0, all = 0.0;
   for (const LoopRecord& record : report.records) {
-    const LoopProposal& p = record.proposal;
-    if (!is_near(p.current, loop.to) || !is_near(p.history, loop.from)) continue;
+    const double apart_m = std::abs(track_.path_m[Index(record.proposal.current)] - path_m);
+    if (apart_m > options_.consistency.max_doubt_path_m) continue;
     const LoopStatus status = record.verdict.status;
-    const bool is_lookalike = record.outcome == LoopOutcome::kLookalike;
-    if (record.verdict.accepted() && !is_lookalike) tells[p.current] = true;
-    if (is_lookalike || status == LoopStatus::kAmbiguous || status == LoopStatus::kContradicted) {
-      tells.emplace(p.current, false);
-    }
+    const bool is_verified = record.verdict.accepted();
+    told += is_verified && record.outcome != LoopOutcome::kInconsistent;
+    all += is_verified || status == LoopStatus::kAmbiguous || status == LoopStatus::kContradicted;
   }
-  int doubts = 0;
-  double last_m = -1e9;
-  for (const auto& [keyframe, tells_apart] : tells) {
-    if (tells_apart || path_m(keyframe) - last_m < options_.consistency.min_support_gap_m) continue;
-    last_m = path_m(keyframe);
-    ++doubts;
-  }
-  return doubts;
+  return all > 0.0 ? told / all : 1.0;
 }
 
 void LoopCloser::Impl::Accept(const Pending& pending) {

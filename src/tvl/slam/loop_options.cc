@@ -8,12 +8,14 @@ void LoopConsistencyOptions::Check() const {
   TVL_CHECK_INPUT(max_chi2 > 0.0) << "loops.consistency.max_chi2: must be positive";
   TVL_CHECK_INPUT(graph_inflation >= 1.0)
       << "loops.consistency.graph_inflation: must be at least 1";
-  TVL_CHECK_INPUT(drift_share >= 0.0) << "loops.consistency.drift_share: must not be negative";
+  TVL_CHECK_INPUT(drift_share >= 0.0 && drift_floor_m >= 0.0 && drift_rad_per_m >= 0.0)
+      << "loops.consistency.drift_share, drift_floor_m, drift_rad_per_m: must not be negative";
   TVL_CHECK_INPUT(linked_path_m >= 0.0) << "loops.consistency.linked_path_m: must not be negative";
   TVL_CHECK_INPUT(min_support >= 0) << "loops.consistency.min_support: must not be negative";
   TVL_CHECK_INPUT(max_support_path_m > min_support_gap_m && min_support_gap_m >= 0.0)
       << "loops.consistency: want max_support_path_m > min_support_gap_m >= 0";
-  TVL_CHECK_INPUT(max_lookalike > 0.0) << "loops.consistency.max_lookalike: must be positive";
+  TVL_CHECK_INPUT(max_doubt_path_m >= 0.0)
+      << "loops.consistency.max_doubt_path_m: must not be negative";
   TVL_CHECK_INPUT(min_support_share >= 0.0 && min_support_share <= 1.0)
       << "loops.consistency.min_support_share: must be in 0..1";
 }

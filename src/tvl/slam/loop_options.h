@@ -21,9 +21,12 @@ struct LoopConsistencyOptions {
   // Of the graph's covariance, in variance: over 200-400 m of simulated drives the squared error is
   // up to six times what the steps' covariances add up to, since steps share their errors.
   double graph_inflation = 4.0;
-  // What no step knows of: translation, one standard deviation as a share of the linked path. 0.5 %
-  // is R2 of the paper at its standard deviation.
+  // What no step knows of, one standard deviation: translation and rotation as shares of the linked
+  // path (0.5 % is R2 of the paper), and where the path is longer than linked_path_m at least the
+  // floor: with it, drift up to R2 (10 m) can be mended, whatever the odometry thinks of itself.
   double drift_share = 0.005;
+  double drift_floor_m = 2.0;
+  double drift_rad_per_m = 1e-4;
   // A loop whose ends are linked by less path than this is believed by itself: the graph is tight.
   double linked_path_m = 60.0;
   // Any other needs so many verified loops that agree with it, their current keyframes
@@ -31,13 +34,11 @@ struct LoopConsistencyOptions {
   // moment, not while driving along it.
   int min_support = 2;
   double min_support_gap_m = 2.0, max_support_path_m = 40.0;
-  // ... and among the keyframes in that range whose loops to the same stretch were verified, those
-  // that agree must be at least this share: the others found the place ambiguous or contradicted.
-  // Identical streets differ between the places where they look the same.
-  double min_support_share = 0.6;
-  // A keyframe that looks as much as this like another place (a share of how much it looks like the
-  // place of the loop) has not told the two apart, however well it lies there.
-  double max_lookalike = 0.9;
+  // ... and of the comparisons made over max_doubt_path_m of path either way, at least this share
+  // must have told: the others found the place ambiguous, things standing where the old pass saw
+  // through, or a fit that the graph contradicts. Identical streets differ only at their corners.
+  double max_doubt_path_m = 100.0;
+  double min_support_share = 0.75;
   void Check() const;
 };
 
@@ -48,6 +49,16 @@ struct InjectedDriftOptions {
   double x_share = 0.0, y_share = 0.0, z_share = 0.0;  // m per m, along the odometry frame's axes
   void Check() const {}
 };
+
+// A loop that reaches the graph has been judged by more than the graph knows. Were it kept waiting
+// because it contradicts the odometry's covariance, odometry that is worse than it thinks could
+// never be mended. Huber as in the paper; what is wrong nevertheless is dropped by the polish.
+inline IncrementalPoseGraphOptions ForJudgedLoops() {
+  IncrementalPoseGraphOptions options;
+  options.loop_loss = LoopLoss::kHuber;
+  options.max_innovation_sq = 1e9;
+  return options;
+}
 
 struct LoopOptions {
   bool enabled = true;
@@ -71,7 +82,7 @@ struct LoopOptions {
   LidarProposerOptions lidar;
   LoopVerificationOptions verification;
   LoopConsistencyOptions consistency;
-  IncrementalPoseGraphOptions graph;
+  IncrementalPoseGraphOptions graph = ForJudgedLoops();
   BatchPoseGraphOptions polish;
   InjectedDriftOptions injected_drift;
   void Check() const;

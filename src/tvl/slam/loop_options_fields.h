@@ -78,7 +78,6 @@ void VisitFields(Visitor& visit, LidarProposerOptions& options) {
   TVL_FIELD(min_similarity);
   TVL_FIELD(max_ambiguity);
   TVL_FIELD(max_proposals);
-  TVL_FIELD(elsewhere_m);
 }
 
 template <typename Visitor>
@@ -168,12 +167,14 @@ void VisitFields(Visitor& visit, LoopConsistencyOptions& options) {
   TVL_FIELD(max_chi2);
   TVL_FIELD(graph_inflation);
   TVL_FIELD(drift_share);
+  TVL_FIELD(drift_floor_m);
+  TVL_FIELD(drift_rad_per_m);
   TVL_FIELD(linked_path_m);
   TVL_FIELD(min_support);
   TVL_FIELD(min_support_gap_m);
   TVL_FIELD(max_support_path_m);
+  TVL_FIELD(max_doubt_path_m);
   TVL_FIELD(min_support_share);
-  TVL_FIELD(max_lookalike);
 }
 
 template <typename Visitor>

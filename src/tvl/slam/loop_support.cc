@@ -12,7 +12,10 @@ double GraphChi2(const PoseConstraint& loop, const Rigid3d& T_from_to_graph,
   const Vector6d error = (T_from_to_graph.Inverse() * loop.T_from_to).Log();
   Matrix6d covariance = options.graph_inflation * graph_covariance;
   covariance += loop.information.ldlt().solve(Matrix6d::Identity());
-  const double drift_m = options.drift_share * linked_path_m;
+  const double floor_m = linked_path_m > options.linked_path_m ? options.drift_floor_m : 0.0;
+  const double drift_m = std::max(floor_m, options.drift_share * linked_path_m);
+  const double drift_rad = options.drift_rad_per_m * linked_path_m;
+  covariance.diagonal().head<3>().array() += drift_rad * drift_rad;
   covariance.diagonal().tail<3>().array() += drift_m * drift_m;
   return error.dot(covariance.ldlt().solve(error));
 }

@@ -75,7 +75,7 @@ TEST(GraphChi2, GrowsWithTheErrorAndShrinksWithWhatIsUnknown) {
   const Matrix6d covariance = Information(1e-3, 0.05).inverse();
   LoopConsistencyOptions options;
   options.graph_inflation = 1.0;
-  options.drift_share = 0.0;
+  options.drift_share = options.drift_floor_m = options.drift_rad_per_m = 0.0;
   const double alone = GraphChi2(loop, graph, covariance, 100.0, options);
   EXPECT_NEAR(alone, 1.0 / (0.05 * 0.05 + 0.03 * 0.03), 1.0);
   options.drift_share = 0.01;
@@ -83,6 +83,15 @@ TEST(GraphChi2, GrowsWithTheErrorAndShrinksWithWhatIsUnknown) {
   options.drift_share = 0.0;
   options.graph_inflation = 4.0;
   EXPECT_LT(GraphChi2(loop, graph, covariance, 100.0, options), alone);
+}
+
+TEST(GraphChi2, MendsMetresOnlyWhereThePathIsLong) {
+  const PoseConstraint loop = TwoRounds::Loop(10, 110, 5.0);
+  const Rigid3d graph = TwoRounds::Loop(10, 110, 0.0).T_from_to;
+  const Matrix6d covariance = Information(1e-3, 0.05).inverse();
+  const LoopConsistencyOptions options;
+  EXPECT_LT(GraphChi2(loop, graph, covariance, 100.0, options), options.max_chi2);
+  EXPECT_GT(GraphChi2(loop, graph, covariance, 50.0, options), options.max_chi2);
 }
 
 }  // namespace

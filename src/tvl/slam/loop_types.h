@@ -23,7 +23,6 @@ enum class LoopOutcome {
   kAccepted,
   kRefused,       // by verification: see the verdict
   kInconsistent,  // the graph contradicts it
-  kLookalike,     // verified, but another place in the map looks as much like it
   kUnsupported,   // verified, but no other loops agree with it
   kCovered,       // another proposal of the keyframe led to the same place
   kNotVerified,   // more proposals than are verified for one keyframe
@@ -37,7 +36,6 @@ struct LoopRecord {
   LoopVerdict verdict;
   LoopOutcome outcome = LoopOutcome::kNotVerified;
   double chi2 = 0.0;            // against the graph, 6 degrees of freedom
-  double lookalike = 0.0;       // see LidarProposer::Lookalike; of loops that need support
   double linked_path_m = 0.0;   // between the two when the loop was proposed
   double weight = 0.0;          // in the final graph, 0..1; accepted loops only
   bool is_second_look = false;  // at the end of the data

@@ -1,0 +1,88 @@
+"""A simulated drive that comes back to its start in its last 20 frames, through the whole program."""
+
+import csv
+import json
+import unittest
+
+from program import OK, Folder, distance, png_size, poses, tvl
+
+DRIVE = "sim:lateloop?seed=5&camera=0&frames=420"
+RESULTS = ["trajectory_kitti.txt", "odometry_kitti.txt", "loops.csv", "map.pcd"]
+folder = None
+
+
+def setUpModule():
+    """The same drive with one thread, with two, and without loops."""
+    global folder
+    folder = Folder()
+    run("one", "--threads", 1)
+    run("two", "--threads", 2)
+    run("none", "--threads", 2, "--no-loops")
+
+
+def tearDownModule():
+    folder.close()
+
+
+def run(name, *options):
+    result = tvl("run", DRIVE, "--deskew", "none", "--out", folder / name, *options)
+    assert result.returncode == OK, result.stdout + result.stderr
+    (folder / name / "stdout.txt").write_text(result.stdout)
+
+
+def loops():
+    with open(folder / "one" / "loops.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def ate(name, trajectory):
+    out = folder / "evaluation.json"
+    result = tvl("evaluate", "--truth", folder / "one" / "truth_kitti.txt", "--estimate",
+                 folder / name / trajectory, "--json", out)
+    assert result.returncode == OK, result.stderr
+    return json.loads(out.read_text())["drives"][0]["ate_se3"]["rmse_m"]
+
+
+class Loops(unittest.TestCase):
+    def test_the_overlap_at_the_very_end_is_found_and_nothing_else(self):
+        accepted = [row for row in loops() if row["outcome"] == "accepted"]
+        self.assertGreaterEqual(len(accepted), 5)
+        for row in accepted:
+            self.assertLess(float(row["error_m"]), 0.15)
+            self.assertLess(float(row["error_deg"]), 0.5)
+            self.assertGreater(int(row["current_frame"]), 380)
+        self.assertEqual(loops()[0].keys() & {"proposer", "rms_m", "overlap", "reason"},
+                         {"proposer", "rms_m", "overlap", "reason"})
+
+    def test_every_refusal_has_a_reason(self):
+        for row in loops():
+            if row["outcome"] == "refused":
+                self.assertTrue(row["reason"], row)
+
+    def test_loops_do_no_harm(self):
+        self.assertLessEqual(ate("one", "trajectory_kitti.txt"),
+                             1.05 * ate("one", "odometry_kitti.txt"))
+
+    def test_threads_change_no_byte(self):
+        for name in RESULTS:
+            self.assertEqual((folder / "one" / name).read_bytes(),
+                             (folder / "two" / name).read_bytes(), name)
+
+    def test_without_loops_it_is_the_odometry(self):
+        self.assertFalse((folder / "none" / "loops.csv").exists())
+        alone = poses(folder / "none" / "trajectory_kitti.txt")
+        for a, b in zip(alone, poses(folder / "none" / "odometry_kitti.txt")):
+            self.assertLess(distance(a, b), 1e-6)
+
+    def test_report_and_pictures(self):
+        report = json.loads((folder / "one" / "run.json").read_text())["loops"]
+        self.assertEqual(report["against_truth"]["false_accepted"], 0)
+        self.assertGreater(report["against_truth"]["revisit_keyframes"], 0)
+        self.assertGreater(report["timing_per_keyframe"]["verify"]["max_ms"], 0.0)
+        self.assertIn("loops: ", (folder / "one" / "stdout.txt").read_text())
+        self.assertGreater(min(png_size(folder / "one" / "loops.png")), 100)
+        self.assertGreater(min(png_size(folder / "one" / "loop_place_1.png")), 100)
+
+
+if __name__ == "__main__":
+    unittest.main()
