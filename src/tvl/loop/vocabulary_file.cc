@@ -137,7 +137,8 @@ Vocabulary ParseVocabulary(const std::string& bytes, const std::string& name) {
 
 Vocabulary ReadVocabulary(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  TVL_CHECK_INPUT(std::filesystem::is_regular_file(path) && file.good()) << path << ": cannot be read";
+  TVL_CHECK_INPUT(std::filesystem::is_regular_file(path) && file.good())
+      << path << ": cannot be read";
   const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   return ParseVocabulary(bytes, path);
 }
