@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -70,13 +71,10 @@ void WritePicture(const fs::path& path, const cv::Mat& picture) {
   });
 }
 
-// The poses of the odometry alone, as KITTI has them.
+// The poses as if no loop had been closed, as KITTI has them.
 std::vector<Rigid3d> OdometryPoses(const RunResult& result, const Rigid3d& T_cam0_lidar) {
-  Trajectory odometry;
-  for (const OdometryPose& pose : result.odometry) {
-    odometry.push_back({pose.frame, pose.stamp, pose.T_odom_lidar});
-  }
-  return ToKittiPoses(odometry, T_cam0_lidar);
+  return ToKittiPoses(WorldTrajectory(result.odometry, WithoutLoops(result.map.keyframes)),
+                      T_cam0_lidar);
 }
 
 void WriteLoops(const fs::path& out, const RunResult& result, const RunContext& context) {
@@ -90,24 +88,35 @@ void WriteLoops(const fs::path& out, const RunResult& result, const RunContext& 
   }
 }
 
+// Of an earlier run into the same folder, which this one may not write.
+void RemoveOldLoops(const fs::path& out) {
+  fs::remove(out / "loops.csv");
+  fs::remove(out / "loops.png");
+  for (size_t i = 1; i <= kPlaces; ++i) {
+    fs::remove(out / ("loop_place_" + std::to_string(i) + ".png"));
+  }
+}
+
+// What took longest to find first.
 void WriteResults(const fs::path& out, const RunResult& result, const RunContext& context) {
   const Trajectory& trajectory = result.trajectory;
   const Rigid3d& T_cam0_lidar = context.setup.calibration.T_cam0_lidar;
   WriteKittiPoses((out / "trajectory_kitti.txt").string(), ToKittiPoses(trajectory, T_cam0_lidar));
   WriteKittiPoses((out / "odometry_kitti.txt").string(), OdometryPoses(result, T_cam0_lidar));
   WriteTumTrajectory((out / "trajectory_tum.txt").string(), trajectory);
+  WriteAtomically((out / "resolved.yaml").string(),
+                  [&](std::ostream& file) { file << context.options_yaml; });
+  const nlohmann::json report = MakeRunReport(result, context);
+  WriteAtomically((out / "run.json").string(),
+                  [&](std::ostream& file) { file << report.dump(1) << "\n"; });
+  RemoveOldLoops(out);
+  if (!result.loops.times.empty()) WriteLoops(out, result, context);
   const MapCloud cloud = BuildMapCloud(result.map, kMapVoxel_m);
   WritePcd((out / "map.pcd").string(), cloud);
   WritePly((out / "map.ply").string(), cloud);
   std::vector<Eigen::Vector3d> p_world;
   for (const StampedPose& pose : trajectory) p_world.push_back(pose.T_world_lidar.t());
   WritePicture(out / "map.png", DrawMap(cloud, p_world));
-  if (!result.loops.times.empty()) WriteLoops(out, result, context);
-  WriteAtomically((out / "resolved.yaml").string(),
-                  [&](std::ostream& file) { file << context.options_yaml; });
-  const nlohmann::json report = MakeRunReport(result, context);
-  WriteAtomically((out / "run.json").string(),
-                  [&](std::ostream& file) { file << report.dump(1) << "\n"; });
 }
 
 void PrintSummary(const RunResult& result, const RunContext& context, const std::string& out) {
@@ -124,6 +133,9 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
   if (!result.loops.times.empty()) std::cout << LoopSummary(result.loops);
   if (!result.loops.times.empty() && !context.truth.empty()) {
     std::cout << ToText(EvaluateLoops(result.loops.records, context.truth));
+  }
+  if (!result.loop_fault.empty()) {
+    std::cout << "the loop search ended early: " << result.loop_fault << "\n";
   }
   if (faulty > 0) std::cout << faulty << " frames with faults, see run.json\n";
   if (predicted > 0) std::cout << predicted << " frames bridged by prediction\n";
@@ -203,7 +215,7 @@ void AddRunCommand(CLI::App& app) {
          "--out", arguments->out,
          "folder for trajectory_kitti.txt, trajectory_tum.txt, odometry_kitti.txt (without "
          "loops), map.pcd, map.ply, map.png, loops.csv, loops.png, loop_place_*.png, "
-         "run.json, resolved.yaml")
+         "run.json, resolved.yaml, and truth_kitti.txt where the truth is known")
       ->required();
   run->add_option("--config", arguments->config, "YAML file with options, see docs/options.md");
   run->add_option("--profile", arguments->profile,

@@ -119,9 +119,10 @@ bool LoopSubmap::SawAtLeast(const Eigen::Vector3d& p_odom, double further_m) con
   return std::any_of(views_.begin(), views_.end(), [&](const auto& entry) {
     const View& view = entry.second;
     const Eigen::Vector3f p = (view.T_lidar_odom * p_odom).template cast<float>();
-    const auto range_m = static_cast<double>(p.norm());
-    return range_m<options_.view_range_m&& static_cast<double>(view.seen.Towards(p))> range_m +
-           further_m;
+    const double range_m = p.norm();
+    const double seen_m = view.seen.Towards(p);
+    const bool is_near = range_m < options_.view_range_m;
+    return is_near && seen_m > range_m + further_m;
   });
 }
 

@@ -77,9 +77,7 @@ void ForEachArray(Payload& payload, const Visit& visit) {
 // A file without a name: the system takes it back however the program ends.
 class SpillFile {
  public:
-  explicit SpillFile(std::string folder) : folder_(std::move(folder)) {
-    if (folder_.empty()) folder_ = std::filesystem::temp_directory_path().string();
-  }
+  explicit SpillFile(std::string folder) : folder_(std::move(folder)) {}
   ~SpillFile() {
     if (file_ >= 0) close(file_);
   }
@@ -118,6 +116,9 @@ class SpillFile {
 
  private:
   void Open() {
+    std::error_code error;
+    if (folder_.empty()) folder_ = std::filesystem::temp_directory_path(error).string();
+    TVL_CHECK_INPUT(!error) << "no folder for temporary files: " << error.message();
     std::string name = folder_ + "/tvl_keyframes_XXXXXX";
     file_ = mkstemp(name.data());
     TVL_CHECK_INPUT(file_ >= 0) << folder_

@@ -45,6 +45,13 @@ Trajectory WorldTrajectory(const OdometryPath& path, const std::vector<Keyframe>
   return trajectory;
 }
 
+std::vector<Keyframe> WithoutLoops(std::vector<Keyframe> keyframes) {
+  for (size_t i = 1; i < keyframes.size(); ++i) {
+    keyframes[i].T_world_lidar = keyframes[i - 1].T_world_lidar * keyframes[i].T_prev_cur;
+  }
+  return keyframes;
+}
+
 MapCloud BuildMapCloud(const Map& map, double voxel_m) {
   TVL_CHECK_INPUT(voxel_m > 0.0) << "map voxel: must be positive, is " << voxel_m;
   VoxelHash<char> seen;

@@ -55,9 +55,17 @@ void LocalMap::Connect(const std::vector<Connected>& wanted, const FetchCloud& f
       ++it;
       continue;
     }
-    Take(it->second, executor);
-    it = connected_.erase(it);
     ++changes;
+    Take(it->second, executor);
+    const auto moved = std::find_if(wanted.begin(), wanted.end(),
+                                    [&](const Connected& c) { return c.keyframe == it->first; });
+    if (moved == wanted.end()) {
+      it = connected_.erase(it);
+      continue;
+    }
+    it->second.T_odom_lidar = moved->T_odom_lidar;
+    Put(it->second, executor);
+    ++it;
   }
   for (const Connected& next : wanted) {
     if (changes >= options_.connected_changes) return;

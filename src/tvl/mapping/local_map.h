@@ -54,8 +54,8 @@ class LocalMap {
   };
   using FetchCloud = std::function<std::shared_ptr<const KeyframeCloud>(int keyframe)>;
   // Brings the connected members closer to `wanted` (most wanted first), by connected_changes at
-  // most: what is no longer wanted or has moved goes first, then new ones come. Keyframes that are
-  // recent by path are not taken twice.
+  // most: what is no longer wanted goes and what has moved is placed anew, then new ones come.
+  // Keyframes that are recent by path are not taken twice.
   void Connect(const std::vector<Connected>& wanted, const FetchCloud& fetch,
                const Executor& executor);
 

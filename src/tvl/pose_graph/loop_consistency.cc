@@ -23,7 +23,7 @@ class AgreementGraph {
       : agrees_(loops.size(), std::vector<char>(loops.size(), 0)), degree_(loops.size(), 0) {
     for (size_t a = 0; a < loops.size(); ++a) {
       for (size_t b = 0; b < a; ++b) {
-        if (CycleErrorSq(odometry, loops[a], loops[b]) > max_error_sq) continue;
+        if (!(CycleErrorSq(odometry, loops[a], loops[b]) <= max_error_sq)) continue;
         agrees_[a][b] = agrees_[b][a] = 1;
         ++degree_[a];
         ++degree_[b];
@@ -72,6 +72,8 @@ void OdometryChain::Add(const PoseConstraint& odometry) {
 }
 
 OdometryChain::Relative OdometryChain::Between(int i, int j) const {
+  TVL_CHECK(i >= 0 && i < size() && j >= 0 && j < size())
+      << "odometry chain: poses " << i << ", " << j << " of " << size();
   return {T_first_[i].Inverse() * T_first_[j], Carried(Drift(i, j), T_first_[j].Inverse())};
 }
 

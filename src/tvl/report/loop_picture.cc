@@ -16,12 +16,9 @@ const cv::Scalar& White() {
   return colour;
 }
 
-// The odometry's poses in the world: as if no loop had ever been closed.
-std::vector<Rigid3d> WithoutLoops(const std::vector<Keyframe>& keyframes) {
+std::vector<Rigid3d> WorldPoses(const std::vector<Keyframe>& keyframes) {
   std::vector<Rigid3d> poses;
-  for (const Keyframe& keyframe : keyframes) {
-    poses.push_back(poses.empty() ? keyframe.T_world_lidar : poses.back() * keyframe.T_prev_cur);
-  }
+  for (const Keyframe& keyframe : keyframes) poses.push_back(keyframe.T_world_lidar);
   return poses;
 }
 
@@ -69,7 +66,7 @@ cv::Mat DrawSide(const Map& map, const LoopProposal& loop,
 }  // namespace
 
 cv::Mat DrawLoops(const std::vector<Keyframe>& keyframes, const LoopReport& report) {
-  const std::vector<Rigid3d> before = WithoutLoops(keyframes);
+  const std::vector<Rigid3d> before = WorldPoses(WithoutLoops(keyframes));
   Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();
   for (size_t i = 0; i < keyframes.size(); ++i) {
     for (const Eigen::Vector3d& p : {keyframes[i].T_world_lidar.t(), before[i].t()}) {
@@ -107,7 +104,7 @@ cv::Mat DrawLoops(const std::vector<Keyframe>& keyframes, const LoopReport& repo
 std::vector<size_t> MostTelling(const std::vector<Keyframe>& keyframes, const LoopReport& report,
                                 size_t count) {
   constexpr double kApart_m = 60.0;
-  const std::vector<Rigid3d> before = WithoutLoops(keyframes);
+  const std::vector<Rigid3d> before = WorldPoses(WithoutLoops(keyframes));
   std::vector<std::pair<double, size_t>> moved;  // by how much, m
   for (size_t i = 0; i < report.records.size(); ++i) {
     const LoopProposal& p = report.records[i].proposal;
@@ -119,7 +116,8 @@ std::vector<size_t> MostTelling(const std::vector<Keyframe>& keyframes, const Lo
   }
   std::sort(moved.rbegin(), moved.rend());
   std::vector<size_t> chosen;
-  for (const auto& [moved_m, i] : moved) {
+  for (const auto& candidate : moved) {
+    const size_t i = candidate.second;
     const auto position = [&](size_t record) -> const Eigen::Vector3d& {
       const int current = report.records[record].proposal.current;
       return keyframes[static_cast<size_t>(current)].T_world_lidar.t();
@@ -133,10 +131,10 @@ std::vector<size_t> MostTelling(const std::vector<Keyframe>& keyframes, const Lo
 }
 
 cv::Mat DrawPlace(const Map& map, const LoopRecord& loop) {
-  std::vector<Rigid3d> after;
-  for (const Keyframe& keyframe : map.keyframes) after.push_back(keyframe.T_world_lidar);
+  const std::vector<Rigid3d> before = WorldPoses(WithoutLoops(map.keyframes));
+  const std::vector<Rigid3d> after = WorldPoses(map.keyframes);
   cv::Mat both;
-  cv::hconcat(DrawSide(map, loop.proposal, WithoutLoops(map.keyframes), "before"),
+  cv::hconcat(DrawSide(map, loop.proposal, before, "before"),
               DrawSide(map, loop.proposal, after, "after"), both);
   return both;
 }

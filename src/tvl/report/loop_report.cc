@@ -89,7 +89,7 @@ void WriteRow(const LoopRecord& record, const std::vector<TrueKeyframe>& truth, 
   out << proposal.current << "," << proposal.history << "," << record.current_frame << ","
       << record.history_frame << "," << ToString(proposal.proposer) << "," << proposal.score << ","
       << proposal.matches << "," << ToString(record.outcome) << "," << Status(record) << ","
-      << Quoted(verdict.reason) << "," << verdict.rms_m << "," << verdict.raised_rms_m << ","
+      << Quoted(record.reason) << "," << verdict.rms_m << "," << verdict.raised_rms_m << ","
       << verdict.overlap << "," << verdict.seen_through << "," << verdict.ambiguity << ","
       << record.chi2 << "," << record.linked_path_m << "," << record.weight << ","
       << (record.is_second_look ? 1 : 0);

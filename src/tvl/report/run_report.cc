@@ -209,6 +209,7 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                  {"peak_memory_mib", context.peak_memory_mib},
                  {"frames", frames}};
   if (!result.loops.times.empty()) report["loops"] = LoopsToJson(result.loops, context.truth);
+  if (!result.loop_fault.empty()) report["loops"]["fault"] = result.loop_fault;
   report["keyframe_store"] = {{"memory_bytes", result.map.store->memory_bytes()},
                               {"file_bytes", result.map.store->file_bytes()}};
   if (context.setup.seed) report["seed"] = *context.setup.seed;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
@@ -10,6 +11,9 @@
 
 namespace tvl {
 namespace {
+
+// Of the keyframes a loop makes neighbours: a scan every two metres fills a surfel map.
+constexpr int kEveryConnected = 2;
 
 std::shared_ptr<const Vocabulary> LoadVocabulary(const std::string& path) {
   return std::make_shared<const Vocabulary>(path.empty() ? DefaultVocabulary()
@@ -53,16 +57,21 @@ class LoopCloser::Impl {
         verifier_(options.verification),
         graph_(options.graph) {}
 
-  void Add(const Keyframe& keyframe, LoopTimes* times);
-  std::vector<LoopProposal> Propose(int current, LoopTimes* times);
-  // Verifies the proposals of one keyframe; returns the numbers of newly accepted records.
-  void Judge(const std::vector<LoopProposal>& proposals, LoopTimes* times);
+  void Add(const Keyframe& keyframe, const KeyframePayload& payload, LoopTimes* times);
+  std::vector<LoopProposal> Propose(int current, const std::vector<double>& linked_path_m,
+                                    LoopTimes* times);
+  // Verifies and weighs the proposals of one keyframe. linked_path_m: LinkedPath of it.
+  void Judge(const std::vector<LoopProposal>& proposals, const std::vector<double>& linked_path_m,
+             LoopTimes* times);
   // Puts the loops accepted since the last call into the graph; false if there are none.
   bool Close(LoopTimes* times);
   void LookAgain();
   void Polish();
   std::vector<int> ConnectedTo(int keyframe) const;
 
+  std::vector<double> LinkedPathOf(int keyframe) const {
+    return LinkedPath(track_.path_m, links_, keyframe);
+  }
   int last() const { return track_.size() - 1; }
   const std::vector<Rigid3d>& poses() const { return track_.T_world_lidar; }
   LoopReport report;
@@ -78,14 +87,15 @@ class LoopCloser::Impl {
   }
   LoopRecord Verify(const LoopProposal& proposal, double linked_path_m);
   void Weigh(size_t record);
-  // Of the comparisons made for keyframes near this one: the share that could tell one place from
-  // another.
+  // Of the keyframes round this one that were compared with old ones: the share that could tell one
+  // place from another.
   double ShareThatTold(int current) const;
   void Accept(const Pending& pending);
-  bool IsCovered(const LoopProposal& proposal, const std::vector<LoopRecord>& judged) const;
-  std::vector<double> LinkedPathOf(int keyframe) const {
-    return LinkedPath(track_.path_m, links_, keyframe);
-  }
+  LoopRecord Unjudged(const LoopProposal& proposal, double linked_path_m) const;
+  // One of the records from `first` on leads to the same place.
+  bool IsCovered(const LoopProposal& proposal, size_t first) const;
+  // The same two stretches were compared before, and the estimate has hardly moved since.
+  bool IsOldNews(const LoopProposal& proposal) const;
 
   LoopOptions options_;
   std::shared_ptr<const KeyframeStore> store_;
@@ -105,7 +115,8 @@ class LoopCloser::Impl {
   Executor executor_{1};
 };
 
-void LoopCloser::Impl::Add(const Keyframe& keyframe, LoopTimes* times) {
+void LoopCloser::Impl::Add(const Keyframe& keyframe, const KeyframePayload& payload,
+                           LoopTimes* times) {
   const Stopwatch watch;
   const int index = keyframe.id.index;
   TVL_CHECK(index == track_.size()) << "loop closer: keyframe " << index << " out of turn";
@@ -115,23 +126,26 @@ void LoopCloser::Impl::Add(const Keyframe& keyframe, LoopTimes* times) {
   if (index == 0) {
     graph_.AddFirst(keyframe.T_odom_lidar);
   } else {
-    graph_.AddKeyframe({index - 1, index, keyframe.T_prev_cur, InformationOf(keyframe.covariance)});
+    const PoseConstraint odometry{index - 1, index, keyframe.T_prev_cur,
+                                  InformationOf(keyframe.covariance)};
+    graph_.AddKeyframe(odometry);
+    odometry_.Add(odometry);
   }
   track_.stamp.push_back(keyframe.stamp);
   track_.path_m.push_back(keyframe.path_m);
   track_.T_world_lidar = graph_.estimates();
   times->graph_ms = watch.ElapsedMs();
   const Stopwatch describe;
-  const std::shared_ptr<const KeyframePayload> payload = store_->Get(index);
-  if (options_.use_visual) visual_.Add(payload->image);
-  lidar_.Add(DescribePlace(payload->cloud, options_.lidar_descriptor));
+  if (options_.use_visual) visual_.Add(payload.image);
+  if (options_.use_lidar) lidar_.Add(DescribePlace(payload.cloud, options_.lidar_descriptor));
   times->describe_ms = describe.ElapsedMs();
 }
 
-std::vector<LoopProposal> LoopCloser::Impl::Propose(int current, LoopTimes* times) {
+std::vector<LoopProposal> LoopCloser::Impl::Propose(int current,
+                                                    const std::vector<double>& linked_m,
+                                                    LoopTimes* times) {
   const int eligible = EligibleHistory(track_, current, options_.separation);
   if (eligible == 0) return {};
-  const std::vector<double> linked_m = LinkedPathOf(current);
   std::vector<LoopProposal> all;
   const auto add = [&](const std::vector<LoopProposal>& some) {
     all.insert(all.end(), some.begin(), some.end());
@@ -168,102 +182,120 @@ std::vector<LoopProposal> LoopCloser::Impl::Propose(int current, LoopTimes* time
   return all;
 }
 
-bool LoopCloser::Impl::IsCovered(const LoopProposal& proposal,
-                                 const std::vector<LoopRecord>& judged) const {
-  return std::any_of(judged.begin(), judged.end(), [&](const LoopRecord& record) {
+bool LoopCloser::Impl::IsCovered(const LoopProposal& proposal, size_t first) const {
+  const auto begin = report.records.begin() + static_cast<std::ptrdiff_t>(first);
+  return std::any_of(begin, report.records.end(), [&](const LoopRecord& record) {
     const double apart_m = std::abs(track_.path_m[Index(proposal.history)] -
                                     track_.path_m[Index(record.proposal.history)]);
-    return record.verdict.accepted() && apart_m < options_.separation.pass_gap_m;
+    return record.verdict.accepted() && record.outcome != LoopOutcome::kInconsistent &&
+           apart_m < options_.separation.pass_gap_m;
   });
 }
 
 LoopRecord LoopCloser::Impl::Verify(const LoopProposal& proposal, double linked_path_m) {
-  LoopRecord record;
-  const Rigid3d T_history_current =
-      poses()[Index(proposal.history)].Inverse() * poses()[Index(proposal.current)];
+  LoopRecord record = Unjudged(proposal, linked_path_m);
   // Where the graph is tight a narrow search is enough: two metres, and four standard deviations.
   const double drift_m = options_.consistency.drift_share * linked_path_m;
   const double radius_m = linked_path_m <= options_.consistency.linked_path_m
                               ? 2.0 + 4.0 * drift_m
                               : options_.drift.vicinity().Of(linked_path_m);
   const VerificationInput input{T_odom_lidar_, [this](int k) { return store_->Cloud(k); },
-                                T_history_current, radius_m};
+                                record.T_history_current_graph, radius_m};
   record.verdict = verifier_.Verify(proposal, input, executor_);
   record.outcome = record.verdict.accepted() ? LoopOutcome::kUnsupported : LoopOutcome::kRefused;
+  record.reason = record.verdict.reason;
   return record;
 }
 
-void LoopCloser::Impl::Judge(const std::vector<LoopProposal>& proposals, LoopTimes* times) {
-  const Stopwatch watch;
-  std::vector<LoopRecord> judged;
+LoopRecord LoopCloser::Impl::Unjudged(const LoopProposal& proposal, double linked_path_m) const {
+  LoopRecord record;
+  record.proposal = proposal;
+  record.history_frame = frames_[Index(proposal.history)];
+  record.current_frame = frames_[Index(proposal.current)];
+  record.linked_path_m = linked_path_m;
+  record.T_history_current_graph =
+      poses()[Index(proposal.history)].Inverse() * poses()[Index(proposal.current)];
+  return record;
+}
+
+void LoopCloser::Impl::Judge(const std::vector<LoopProposal>& proposals,
+                             const std::vector<double>& linked_path_m, LoopTimes* times) {
+  const size_t first = report.records.size();
   int verified = 0;
   for (const LoopProposal& proposal : proposals) {
-    const double linked_m = LinkedPathOf(proposal.current)[Index(proposal.history)];
-    LoopRecord record;
-    if (IsCovered(proposal, judged)) {
-      record.outcome = LoopOutcome::kCovered;
-    } else if (verified < options_.max_verifications) {
+    const Stopwatch watch;
+    const double linked_m = linked_path_m[Index(proposal.history)];
+    if (IsCovered(proposal, first)) {
+      report.records.push_back(Unjudged(proposal, linked_m));
+      report.records.back().outcome = LoopOutcome::kCovered;
+    } else if (verified >= options_.max_verifications) {
+      report.records.push_back(Unjudged(proposal, linked_m));
+    } else {
       ++verified;
-      record = Verify(proposal, linked_m);
+      report.records.push_back(Verify(proposal, linked_m));
+      if (report.records.back().verdict.accepted()) Weigh(report.records.size() - 1);
     }
-    record.proposal = proposal;
-    record.history_frame = frames_[Index(proposal.history)];
-    record.current_frame = frames_[Index(proposal.current)];
-    record.linked_path_m = linked_m;
-    judged.push_back(record);
-  }
-  times->verify_ms += watch.ElapsedMs();
-  for (const LoopRecord& record : judged) {
-    report.records.push_back(record);
-    if (record.verdict.accepted()) Weigh(report.records.size() - 1);
+    times->verify_ms += watch.ElapsedMs();
   }
 }
 
 void LoopCloser::Impl::Weigh(size_t index) {
   LoopRecord& record = report.records[index];
   const LoopProposal& proposal = record.proposal;
+  const LoopConsistencyOptions& options = options_.consistency;
   const PoseConstraint loop{proposal.history, proposal.current, record.verdict.T_history_current,
                             InformationOf(record.verdict.covariance)};
-  const Rigid3d T_history_current = poses()[Index(loop.from)].Inverse() * poses()[Index(loop.to)];
-  record.chi2 = GraphChi2(loop, T_history_current, graph_.RelativeCovariance(loop.from, loop.to),
-                          record.linked_path_m, options_.consistency);
-  if (record.chi2 > options_.consistency.max_chi2) {
+  record.chi2 =
+      GraphChi2(loop, record.T_history_current_graph, graph_.RelativeCovariance(loop.from, loop.to),
+                record.linked_path_m, options);
+  if (!(record.chi2 <= options.max_chi2)) {
     record.outcome = LoopOutcome::kInconsistent;
+    record.reason = "the graph contradicts it";
     return;
   }
-  if (record.linked_path_m <= options_.consistency.linked_path_m) {
+  if (record.linked_path_m <= options.linked_path_m) {
     Accept({loop, index});
     return;
   }
   std::vector<PoseConstraint> others;
   for (const Pending& pending : pending_) others.push_back(pending.loop);
-  const std::vector<size_t> support =
-      FindSupport(loop, others, odometry_, track_.path_m, options_.consistency);
+  const std::vector<size_t> support = FindSupport(loop, others, odometry_, track_.path_m, options);
   pending_.push_back({loop, index});
-  if (static_cast<int>(support.size()) < options_.consistency.min_support) return;
-  if (ShareThatTold(loop.to) < options_.consistency.min_support_share) return;
-  Accept(pending_.back());
+  record.reason = std::to_string(support.size()) + " other loops agree with it";
+  if (static_cast<int>(support.size()) < options.min_support) return;
+  if (ShareThatTold(loop.to) < options.min_support_share) {
+    record.reason = "most comparisons hereabouts were ambiguous";
+    return;
+  }
+  Accept({loop, index});
   for (const size_t i : support) Accept(pending_[i]);
 }
 
 double LoopCloser::Impl::ShareThatTold(int current) const {
   const double path_m = track_.path_m[Index(current)];
-  double told = 0.0, all = 0.0;
+  std::map<int, bool> told;  // by current keyframe
   for (const LoopRecord& record : report.records) {
-    const double apart_m = std::abs(track_.path_m[Index(record.proposal.current)] - path_m);
+    const int keyframe = record.proposal.current;
+    const double apart_m = std::abs(track_.path_m[Index(keyframe)] - path_m);
     if (apart_m > options_.consistency.max_doubt_path_m) continue;
     const LoopStatus status = record.verdict.status;
-    const bool is_verified = record.verdict.accepted();
-    told += is_verified && record.outcome != LoopOutcome::kInconsistent;
-    all += is_verified || status == LoopStatus::kAmbiguous || status == LoopStatus::kContradicted;
+    const bool is_inconsistent = record.outcome == LoopOutcome::kInconsistent;
+    if (record.verdict.accepted() && !is_inconsistent) told[keyframe] = true;
+    if (is_inconsistent || status == LoopStatus::kAmbiguous ||
+        status == LoopStatus::kContradicted) {
+      told.emplace(keyframe, false);
+    }
   }
-  return all > 0.0 ? told / all : 1.0;
+  const auto count =
+      std::count_if(told.begin(), told.end(), [](const auto& t) { return t.second; });
+  return told.empty() ? 1.0 : static_cast<double>(count) / static_cast<double>(told.size());
 }
 
 void LoopCloser::Impl::Accept(const Pending& pending) {
   LoopRecord& record = report.records[pending.record];
   if (record.outcome == LoopOutcome::kAccepted) return;
   record.outcome = LoopOutcome::kAccepted;
+  record.reason.clear();
   links_.push_back({pending.loop.from, pending.loop.to});
   has_loop_[Index(pending.loop.to)] = 1;
   new_.push_back(pending.loop);
@@ -289,10 +321,12 @@ std::vector<int> LoopCloser::Impl::ConnectedTo(int keyframe) const {
       continue;
     }
     const int each_way = options_.verification.submap.keyframes_each_way;
-    for (int k = std::max(0, link.from - each_way); k <= link.from + each_way; k += 1) {
-      if (k >= keyframe || seen[Index(k)] != 0) continue;
+    const int begin = std::max(0, link.from - each_way);
+    const int end = std::min(keyframe, link.from + each_way + 1);
+    for (int k = begin + begin % kEveryConnected; k < end; k += kEveryConnected) {
+      if (seen[Index(k)] != 0) continue;
       seen[Index(k)] = 1;
-      if (k % 2 == 0) near.emplace_back(DistanceBetween(k, keyframe), k);
+      near.emplace_back(DistanceBetween(k, keyframe), k);
     }
   }
   std::sort(near.begin(), near.end());
@@ -301,15 +335,34 @@ std::vector<int> LoopCloser::Impl::ConnectedTo(int keyframe) const {
   return connected;
 }
 
+bool LoopCloser::Impl::IsOldNews(const LoopProposal& proposal) const {
+  constexpr double kMoved_m = 1.0, kMoved_rad = 0.035;  // what a search starts anew for
+  const Rigid3d T_now =
+      poses()[Index(proposal.history)].Inverse() * poses()[Index(proposal.current)];
+  return std::any_of(report.records.begin(), report.records.end(), [&](const LoopRecord& record) {
+    if (record.proposal.current != proposal.current) return false;
+    if (std::abs(record.proposal.history - proposal.history) > 3) return false;
+    const Rigid3d T_then = T_odom_lidar_[Index(proposal.history)].Inverse() *
+                           T_odom_lidar_[Index(record.proposal.history)] *
+                           record.T_history_current_graph;
+    const Rigid3d moved = T_then.Inverse() * T_now;
+    return moved.t().norm() < kMoved_m && moved.RotationAngle() < kMoved_rad;
+  });
+}
+
 void LoopCloser::Impl::LookAgain() {
   const Stopwatch watch;
   LoopTimes times;
   const size_t before = report.records.size();
   for (int k = 0; k <= last() && options_.use_vicinity; ++k) {
     if (has_loop_[Index(k)] != 0) continue;
-    Judge(ProposeVicinity(track_, k, LinkedPathOf(k), options_.drift.vicinity(),
-                          options_.separation, options_.vicinity),
-          &times);
+    const std::vector<double> linked_m = LinkedPathOf(k);
+    std::vector<LoopProposal> proposals = ProposeVicinity(
+        track_, k, linked_m, options_.drift.vicinity(), options_.separation, options_.vicinity);
+    proposals.erase(std::remove_if(proposals.begin(), proposals.end(),
+                                   [this](const LoopProposal& p) { return IsOldNews(p); }),
+                    proposals.end());
+    Judge(proposals, linked_m, &times);
     Close(&times);
   }
   for (size_t i = before; i < report.records.size(); ++i) report.records[i].is_second_look = true;
@@ -326,7 +379,9 @@ void LoopCloser::Impl::Polish() {
   for (size_t i = 0; i < loop_records_.size(); ++i) {
     LoopRecord& record = report.records[loop_records_[i]];
     record.weight = result.loop_weights[i];
-    if (record.weight < 0.5) record.outcome = LoopOutcome::kDropped;
+    if (record.weight >= 0.5) continue;
+    record.outcome = LoopOutcome::kDropped;
+    record.reason = "the other loops contradict it";
   }
   report.polish_ms = watch.ElapsedMs();
 }
@@ -336,13 +391,14 @@ LoopCloser::LoopCloser(const LoopOptions& options, const Calibration& calibratio
     : impl_((options.Check(), std::make_unique<Impl>(options, calibration, std::move(store)))) {}
 LoopCloser::~LoopCloser() = default;
 
-LoopUpdate LoopCloser::Process(const Keyframe& keyframe) {
+LoopUpdate LoopCloser::Process(const Keyframe& keyframe, const KeyframePayload& payload) {
   const Stopwatch watch;
   LoopTimes times;
-  impl_->Add(keyframe, &times);
+  impl_->Add(keyframe, payload, &times);
   LoopUpdate update;
   update.last = impl_->last();
-  impl_->Judge(impl_->Propose(update.last, &times), &times);
+  const std::vector<double> linked_path_m = impl_->LinkedPathOf(update.last);
+  impl_->Judge(impl_->Propose(update.last, linked_path_m, &times), linked_path_m, &times);
   if (impl_->Close(&times)) update.T_world_lidar = impl_->poses();
   update.connected = impl_->ConnectedTo(update.last);
   times.total_ms = watch.ElapsedMs();

@@ -18,9 +18,9 @@ class LoopCloser {
              std::shared_ptr<const KeyframeStore> store);
   ~LoopCloser();
 
-  // Keyframes in the order they were made; their payloads are in the store. Their T_world_lidar is
-  // not read.
-  LoopUpdate Process(const Keyframe& keyframe);
+  // Keyframes in the order they were made; the store must have their payloads from the next one on.
+  // Their T_world_lidar is not read.
+  LoopUpdate Process(const Keyframe& keyframe, const KeyframePayload& payload);
   // At the end of the data: looks once more at all keyframes without a loop, and polishes.
   LoopUpdate Finish();
 

@@ -26,7 +26,9 @@ class ForthAndBack {
   }
 
   LoopUpdate Run(LoopCloser* closer) const {
-    for (const Keyframe& keyframe : keyframes_) closer->Process(keyframe);
+    for (const Keyframe& keyframe : keyframes_) {
+      closer->Process(keyframe, *store_->Get(keyframe.id.index));
+    }
     return closer->Finish();
   }
   LoopCloser MakeCloser(const LoopOptions& options = {}) const {
@@ -168,7 +170,7 @@ TEST(LoopCloser, IsTheSameToTheBit) {
 TEST(LoopCloser, RefusesKeyframesOutOfTurn) {
   const ForthAndBack drive(RandomHouses(1), RandomHouses(1), Drift());
   LoopCloser closer = drive.MakeCloser();
-  EXPECT_THROW(closer.Process(drive.keyframes()[1]), Error);
+  EXPECT_THROW(closer.Process(drive.keyframes()[1], KeyframePayload()), Error);
 }
 
 TEST(LoopOptions, NameTheBadField) {

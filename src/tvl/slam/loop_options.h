@@ -65,8 +65,8 @@ struct LoopOptions {
   bool enabled = true;
   bool use_visual = true, use_vicinity = true, use_lidar = true;
   // What was found for a keyframe is applied when so many more have been made, whether it was found
-  // at once or just in time: results must not depend on the machine. 10 m at motorway speed are
-  // 0.3 s.
+  // at once or just in time: results must not depend on the machine. At 10 frames a second there
+  // is a second at least.
   int lag_keyframes = 10;
   // Proposals verified for one keyframe at most, best guess first: the rest are of other places, or
   // of the same with a worse guess.

@@ -37,7 +37,7 @@ std::vector<size_t> FindSupport(const PoseConstraint& loop,
       return apart_m(current, other.to) >= options.min_support_gap_m;
     });
     if (!is_near || !is_new) continue;
-    if (CycleErrorSq(odometry, loop, other) > options.max_chi2) continue;
+    if (!(CycleErrorSq(odometry, loop, other) <= options.max_chi2)) continue;
     support.push_back(i);
     currents.push_back(other.to);
   }

@@ -33,7 +33,9 @@ const char* ToString(LoopOutcome outcome);
 struct LoopRecord {
   LoopProposal proposal;
   FrameId history_frame = 0, current_frame = 0;
-  LoopVerdict verdict;
+  Rigid3d T_history_current_graph;  // the graph's estimate when it was proposed
+  LoopVerdict verdict;              // of those that were verified
+  std::string reason;               // why not accepted; empty for accepted and covered
   LoopOutcome outcome = LoopOutcome::kNotVerified;
   double chi2 = 0.0;            // against the graph, 6 degrees of freedom
   double linked_path_m = 0.0;   // between the two when the loop was proposed

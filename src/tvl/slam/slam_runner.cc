@@ -92,6 +92,7 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
   result.trajectory = run.system.trajectory();
   result.odometry = run.system.odometry_path();
   result.loops = run.system.loops();
+  result.loop_fault = run.system.loop_fault();
   result.map = run.system.map();
   TVL_CHECK_INPUT(!result.map.keyframes.empty())
       << source.setup().name << ": no frame of " << result.frames.size() << " has a usable scan";

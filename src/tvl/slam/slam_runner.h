@@ -24,7 +24,8 @@ struct RunResult {
   Trajectory trajectory;            // of the same frames, with all loops
   Map map;
   LoopReport loops;
-  OdometryPath odometry;  // of the same frames, as if there had been no loop
+  std::string loop_fault;  // why the loop search ended before its time; empty: it did not
+  OdometryPath odometry;   // of the same frames, as if there had been no loop
   DeskewDecision deskew;
   bool stopped = false;  // the observer said so
 };

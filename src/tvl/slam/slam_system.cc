@@ -283,13 +283,24 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
 }
 
 void SlamSystem::CloseLoops(const Executor& executor) {
-  loop_thread_.Give([closer = loop_closer_, keyframe = map_.keyframes.back()] {
-    return closer->Process(keyframe);
+  // With its payload: that of the first keyframe may be replaced meanwhile.
+  const Keyframe& newest = map_.keyframes.back();
+  loop_thread_.Give([closer = loop_closer_, newest, payload = map_.store->Get(newest.id.index)] {
+    return closer->Process(newest, *payload);
   });
   if (loop_thread_.pending() <= static_cast<size_t>(options_.loops.lag_keyframes)) return;
-  const LoopUpdate update = loop_thread_.Take();
-  Apply(update);
-  Connect(update.connected, executor);
+  try {
+    const LoopUpdate update = loop_thread_.Take();
+    Apply(update);
+    Connect(update.connected, executor);
+  } catch (const Error& error) {
+    GiveUpLoops(error);
+  }
+}
+
+void SlamSystem::GiveUpLoops(const Error& error) {
+  loop_fault_ = error.what();
+  loop_closer_ = nullptr;
 }
 
 void SlamSystem::Connect(const std::vector<int>& keyframes, const Executor& executor) {
@@ -298,6 +309,8 @@ void SlamSystem::Connect(const std::vector<int>& keyframes, const Executor& exec
   std::vector<LocalMap::Connected> wanted;
   for (const int index : keyframes) {
     const Keyframe& keyframe = map_.keyframes[static_cast<size_t>(index)];
+    const double apart_m = (keyframe.T_world_lidar.t() - newest.T_world_lidar.t()).norm();
+    if (apart_m >= options_.mapping.local_map.connected_radius_m) continue;
     wanted.push_back({index, T_odom_world * keyframe.T_world_lidar});
   }
   local_map_.Connect(
@@ -322,8 +335,12 @@ const LoopReport& SlamSystem::loops() const {
 
 void SlamSystem::Finish() {
   if (loop_closer_ == nullptr) return;
-  loop_thread_.Give([closer = loop_closer_] { return closer->Finish(); });
-  while (loop_thread_.pending() > 0) Apply(loop_thread_.Take());
+  try {
+    loop_thread_.Give([closer = loop_closer_] { return closer->Finish(); });
+    while (loop_thread_.pending() > 0) Apply(loop_thread_.Take());
+  } catch (const Error& error) {
+    GiveUpLoops(error);
+  }
 }
 
 }  // namespace tvl

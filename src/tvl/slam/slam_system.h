@@ -1,11 +1,12 @@
-// The whole system, synchronous and deterministic: one frame in, one pose out. Reads as the block
-// diagram of the paper's Fig. 1.
+// The whole system, deterministic: one frame in, one pose out; loops are searched beside it. Reads
+// as the block diagram of the paper's Fig. 1.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tvl/base/check.h"
 #include "tvl/base/parallel.h"
 #include "tvl/frame/motion_estimate.h"
 #include "tvl/map/map.h"
@@ -63,6 +64,8 @@ class SlamSystem {
   // applies everything found.
   void Finish();
 
+  // Why the loop search ended before its time; empty: it did not. Poses are those known until then.
+  const std::string& loop_fault() const { return loop_fault_; }
   // After Finish(): every proposal, what it was judged on, and the graph. Empty without loops.
   const LoopReport& loops() const;
 
@@ -100,6 +103,7 @@ class SlamSystem {
   // Hands the newest keyframe to the loop search and applies what is due.
   void CloseLoops(const Executor& executor);
   void Apply(const LoopUpdate& update);
+  void GiveUpLoops(const Error& error);
   // Fetches keyframes of earlier passes into the local map.
   void Connect(const std::vector<int>& keyframes, const Executor& executor);
 
@@ -122,6 +126,7 @@ class SlamSystem {
   KeyframeCloud last_cloud_;
   std::shared_ptr<LoopCloser> loop_closer_;  // shared with the work in the thread
   LoopThread loop_thread_;
+  std::string loop_fault_;
 };
 
 }  // namespace tvl
