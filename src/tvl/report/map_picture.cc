@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "tvl/geometry/point_index.h"
+#include "tvl/geometry/voxel_hash.h"
 #include "tvl/report/canvas.h"
 #include "tvl/report/top_view.h"
 
@@ -50,6 +52,42 @@ double NiceLength_m(double limit_m) {
   return nice;
 }
 
+// Height of the driven line where it passes closest, so that hills do not use up the colours.
+class RoadHeights {
+ public:
+  explicit RoadHeights(const std::vector<Eigen::Vector3d>& p_world) {
+    std::vector<Eigen::Vector3f> flat;
+    for (const Eigen::Vector3d& p : p_world) {
+      flat.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
+      z_m_.push_back(p.z());
+    }
+    if (!flat.empty()) index_ = PointIndex(std::move(flat));
+  }
+  // The same for all points of a cell: close enough for a colour.
+  double At(const Eigen::Vector3d& p_world) {
+    if (z_m_.empty()) return 0.0;
+    constexpr double kCell_m = 4.0;
+    Cell& cell = cells_[VoxelKey::Of({p_world.x(), p_world.y(), 0.0}, kCell_m)];
+    if (!cell.is_known) {
+      Neighbour nearest{};
+      const Eigen::Vector3f flat(static_cast<float>(p_world.x()), static_cast<float>(p_world.y()),
+                                 0.0F);
+      index_.Nearest(flat, 1, &nearest);
+      cell = {true, z_m_[nearest.index]};
+    }
+    return cell.z_m;
+  }
+
+ private:
+  struct Cell {
+    bool is_known = false;
+    double z_m = 0.0;
+  };
+  std::vector<double> z_m_;
+  PointIndex index_;
+  VoxelHash<Cell> cells_;
+};
+
 // Point indices from the lowest to the highest, so that high points are drawn over low ones.
 std::vector<size_t> ByHeight(const MapCloud& map) {
   std::vector<size_t> order(map.points.size());
@@ -69,12 +107,11 @@ cv::Mat DrawMap(const MapCloud& map, const std::vector<Eigen::Vector3d>& p_world
                       std::max(200, static_cast<int>(y.length() * scale)));
   TopView view(size, scale, {x.min, y.max}, TopView::Orientation::kEastRight);
 
-  double low_m = 0.0;
-  for (const Eigen::Vector3d& p : p_world) low_m = std::min(low_m, p.z());
+  RoadHeights road(p_world);
   constexpr double kBelow_m = 2.0, kSpan_m = 6.0;  // the road lies 1.7 m below the lidar
   for (const size_t i : ByHeight(map)) {
     const Eigen::Vector3d p = map.points[i].cast<double>();
-    view.Dot(p.x(), p.y(), NearToFar(1.0 - (p.z() - low_m + kBelow_m) / kSpan_m));
+    view.Dot(p.x(), p.y(), NearToFar(1.0 - (p.z() - road.At(p) + kBelow_m) / kSpan_m));
   }
   const cv::Scalar white = cv::Scalar::all(255);
   for (size_t i = 1; i < p_world.size(); ++i) {
