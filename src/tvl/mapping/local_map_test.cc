@@ -7,7 +7,10 @@
 namespace tvl {
 namespace {
 
-using namespace synthetic;
+using synthetic::Answered;
+using synthetic::Differences;
+using synthetic::RoomScan;
+using synthetic::SomePose;
 
 LocalMapMember Member(uint64_t seed, double path_m) {
   auto cloud = std::make_shared<KeyframeCloud>();

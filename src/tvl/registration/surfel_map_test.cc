@@ -12,7 +12,13 @@
 namespace tvl {
 namespace {
 
-using namespace synthetic;
+using synthetic::Answered;
+using synthetic::Differences;
+using synthetic::Points;
+using synthetic::Queries;
+using synthetic::RoomScan;
+using synthetic::SameBits;
+using synthetic::SomePose;
 
 TEST(SurfelMap, RemoveLeavesNothingOfWhatWasAdded) {
   const Executor executor(1);
