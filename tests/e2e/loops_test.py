@@ -12,12 +12,15 @@ folder = None
 
 
 def setUpModule():
-    """The same drive with one thread, with two, and without loops."""
+    """The same drive with one thread, with two, without loops, and with hardly any memory."""
     global folder
     folder = Folder()
     run("one", "--threads", 1)
     run("two", "--threads", 2)
     run("none", "--threads", 2, "--no-loops")
+    config = folder / "paged.yaml"
+    config.write_text("mapping.store.memory_mib: 8\n")
+    run("paged", "--threads", 2, "--config", config)
 
 
 def tearDownModule():
@@ -67,6 +70,14 @@ class Loops(unittest.TestCase):
         for name in RESULTS:
             self.assertEqual((folder / "one" / name).read_bytes(),
                              (folder / "two" / name).read_bytes(), name)
+
+    def test_keyframes_in_a_file_change_no_byte(self):
+        for name in RESULTS:
+            self.assertEqual((folder / "one" / name).read_bytes(),
+                             (folder / "paged" / name).read_bytes(), name)
+        store = json.loads((folder / "paged" / "run.json").read_text())["keyframe_store"]
+        self.assertLess(store["memory_bytes"], 8 * 2**20)
+        self.assertGreater(store["file_bytes"], 8 * 2**20)
 
     def test_without_loops_it_is_the_odometry(self):
         self.assertFalse((folder / "none" / "loops.csv").exists())

@@ -33,6 +33,8 @@ TEST(OptionsManual, PaperConfigSaysWhatThePaperSays) {
   EXPECT_EQ(paper.slam.preprocessing.depth.max_depth_m, 50.0);                         // 4.4.4
   EXPECT_EQ(paper.slam.preprocessing.vision.max_features, 300);                        // 4.1
   EXPECT_FALSE(paper.slam.mapping.scan_to_map.use_camera);                             // 5.2
+  EXPECT_FALSE(paper.slam.loops.use_lidar);                                            // 6.2
+  EXPECT_EQ(paper.slam.loops.polish.loop_loss, LoopLoss::kHuber);                      // 6.3
 }
 
 // The words in backticks of a line.
