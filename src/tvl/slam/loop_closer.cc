@@ -372,7 +372,7 @@ void LoopCloser::Impl::LookAgain() {
 void LoopCloser::Impl::Polish() {
   const Stopwatch watch;
   report.graph = graph_.Graph();
-  if (last() < 0) return;
+  if (report.graph.loops.empty()) return;  // the odometry contradicts nothing
   const BatchPoseGraphResult result = OptimizeBatch(report.graph, options_.polish);
   report.graph.T_world = result.T_world;
   track_.T_world_lidar = result.T_world;
@@ -411,7 +411,7 @@ LoopUpdate LoopCloser::Finish() {
   impl_->Polish();
   LoopUpdate update;
   update.last = impl_->last();
-  update.T_world_lidar = impl_->poses();
+  if (!impl_->report.graph.loops.empty()) update.T_world_lidar = impl_->poses();
   return update;
 }
 

@@ -118,9 +118,7 @@ TEST(LoopCloser, RefusesAStreetThatOnlyLiesThere) {
   const LoopUpdate update = drive.Run(&closer);
   EXPECT_GT(closer.report().records.size(), 10U);
   EXPECT_EQ(Accepted(closer.report()), 0);
-  for (size_t k = 0; k < drive.keyframes().size(); ++k) {
-    EXPECT_LT((update.T_world_lidar[k].t() - drive.keyframes()[k].T_odom_lidar.t()).norm(), 1e-6);
-  }
+  EXPECT_TRUE(update.T_world_lidar.empty());  // the odometry stands
 }
 
 TEST(LoopCloser, ProposersCanBeLeftOut) {
