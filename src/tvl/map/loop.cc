@@ -32,8 +32,6 @@ const char* ToString(LoopStatus status) {
       return "contradicted";
     case LoopStatus::kAmbiguous:
       return "ambiguous";
-    case LoopStatus::kInconsistent:
-      return "inconsistent";
   }
   return "unknown";
 }

@@ -43,7 +43,6 @@ enum class LoopStatus {
   kLowOverlap,    // what stands above the ground is elsewhere
   kContradicted,  // things stand where the other pass saw through
   kAmbiguous,     // another alignment fits nearly as well
-  kInconsistent,  // the graph contradicts it
 };
 const char* ToString(LoopStatus status);
 
