@@ -6,7 +6,8 @@ import unittest
 
 import numpy as np
 
-from bench import clouds, metrics, poses, registrars
+import compare_loops
+from bench import closures, clouds, drives, kiss_slam, metrics, poses, registrars
 
 
 def step(x_m, yaw_deg=0.0):
@@ -106,6 +107,133 @@ class Poses(unittest.TestCase):
         lidar = chain(step(1.0, 2.0), 5)
         there = poses.to_camera(lidar, T_cam0_lidar)
         np.testing.assert_allclose(poses.to_lidar(there, T_cam0_lidar), lidar, atol=1e-12)
+
+
+def two_laps(yaw_deg=1.0, speed_m=1.0):
+    """Twice around a circle of 360 frames, truth of the lidar, and its stretches of 90 frames."""
+    truth = chain(step(speed_m, yaw_deg), 720)
+    stretches = [closures.Stretch(first, poses.inverse(truth[first]) @ truth[first: first + 91])
+                 for first in range(0, 720, 90)]
+    return truth, stretches
+
+
+def true_closure(truth, stretches, query, reference, T_error=np.eye(4)):
+    T = poses.inverse(truth[stretches[query].first]) @ truth[stretches[reference].first]
+    return closures.Closure(query, reference, T @ T_error)
+
+
+class Closures(unittest.TestCase):
+    def test_a_second_lap_revisits_a_first_does_not(self):
+        truth, stretches = two_laps()
+        # The fourth stretch ends where the first begins.
+        self.assertEqual(closures.revisits(truth, stretches), [3, 4, 5, 6, 7])
+        slow = chain(step(0.01, 1.0), 720)  # within 10 m always, but never 50 m of path later
+        self.assertEqual(closures.revisits(slow, stretches), [])
+
+    def test_near_in_time_is_no_revisit(self):
+        truth = chain(step(2.0, 3.0), 200)  # around in 120 frames: 12 s
+        stretches = [closures.Stretch(0, truth)]
+        self.assertEqual(closures.revisits(truth, stretches), [])
+
+    def test_true_closures_have_no_error_and_false_ones_theirs(self):
+        truth, stretches = two_laps()
+        np.testing.assert_allclose(
+            closures.error(truth, stretches, true_closure(truth, stretches, 5, 1)), 0, atol=1e-9)
+        _, off_deg = closures.error(truth, stretches,
+                                    true_closure(truth, stretches, 5, 1, step(0.0, 2.0)))
+        self.assertAlmostEqual(off_deg, 2.0)
+        off_m, off_deg = closures.error(truth, stretches,
+                                        true_closure(truth, stretches, 5, 1, step(1.5)))
+        self.assertAlmostEqual(off_m, 1.5)
+        self.assertAlmostEqual(off_deg, 0.0)
+
+    def test_errors_count_where_stretches_meet(self):
+        truth, stretches = two_laps()
+        # The fourth stretch ends where the first begins, 81 m from its own first frame.
+        i, j, distance = closures.nearest(truth, stretches[3], stretches[0])
+        self.assertEqual((i, j), (90, 0))
+        self.assertAlmostEqual(distance, 0.0, delta=1e-6)
+        right = true_closure(truth, stretches, 3, 0)
+        turn = step(0.0, 1.0)
+        there = closures.Closure(3, 0, right.T_query_reference @ turn)
+        off_m, off_deg = closures.error(truth, stretches, there)
+        self.assertAlmostEqual(off_m, 0.0, delta=1e-6)
+        self.assertAlmostEqual(off_deg, 1.0)
+        far = closures.Closure(3, 0, turn @ right.T_query_reference)
+        off_m, off_deg = closures.error(truth, stretches, far)
+        self.assertAlmostEqual(off_m, 81.0 * np.deg2rad(1.0), delta=0.01)
+        self.assertAlmostEqual(off_deg, 1.0)
+
+    def test_score_counts_accepted_false_and_closed(self):
+        truth, stretches = two_laps()
+        found = [true_closure(truth, stretches, 4, 0),
+                 true_closure(truth, stretches, 5, 1, step(1.01)),
+                 true_closure(truth, stretches, 3, 0, step(0.0, 5.1)),
+                 true_closure(truth, stretches, 2, 0, step(0.5))]  # right, but no revisit
+        score = closures.score(truth, stretches, found)
+        self.assertEqual((score.accepted, score.false), (4, 2))
+        self.assertEqual((score.closed, score.revisits), (1, 5))
+        nothing = closures.score(truth, stretches, [])
+        self.assertEqual((nothing.accepted, nothing.false, nothing.closed), (0, 0, 0))
+        self.assertTrue(np.isnan(nothing.error_p95_m))
+
+    def test_stretches_chain_to_the_drive(self):
+        truth, stretches = two_laps()
+        local = [s.T_first_frame for s in stretches]
+        np.testing.assert_allclose(kiss_slam.chained(local), truth, atol=1e-9)
+
+
+class Drives(unittest.TestCase):
+    URI = "sim:city?seed=4&frames=0&trajectory=some/kitti_06.txt"
+
+    def test_arguments_of_a_simulated_drive(self):
+        self.assertEqual(drives.simulate_arguments(self.URI, lidar_only=True),
+                         ["--preset", "city", "--seed", "4", "--frames", "0", "--trajectory",
+                          "some/kitti_06.txt", "--no-camera"])
+        self.assertEqual(drives.simulate_arguments("sim:loop?clean=1&camera=0", lidar_only=False),
+                         ["--preset", "loop", "--clean", "--no-camera"])
+        self.assertEqual(drives.simulate_arguments("sim:loop?clean=0&camera=1", lidar_only=False),
+                         ["--preset", "loop"])
+        with self.assertRaises(ValueError):
+            drives.simulate_arguments("sim:loop?rings=1", lidar_only=False)
+
+    def test_names_are_names_of_folders(self):
+        self.assertEqual(drives.name_of(self.URI), "city_seed4_frames0_kitti_06")
+        self.assertEqual(drives.name_of("sim:city?night=5:9"), "city_night5-9")
+        self.assertEqual(drives.name_of("a/b/"), "b")
+
+    def test_what_a_drive_says_of_its_scans(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIsNone(drives.spin_of(folder))
+            self.assertEqual(drives.correction_of(folder), 0.205)
+            (pathlib.Path(folder) / "meta.json").write_text(
+                '{"raw": "ccw", "vertical_correction_rad": 0.0}')
+            self.assertEqual(drives.spin_of(folder), "ccw")
+            self.assertEqual(drives.correction_of(folder), 0.0)
+
+
+class Rows(unittest.TestCase):
+    REPORT = {"loops": {"timing_per_keyframe": {"second_look_ms": 500.0, "polish_ms": 250.0},
+                        "against_truth": {"accepted": 7, "false_accepted": 1, "error_p95_m": 0.5,
+                                          "error_p95_deg": 0.25, "revisit_keyframes": 9,
+                                          "closed_keyframes": 6}}}
+
+    def test_our_report_is_read(self):
+        self.assertEqual(compare_loops.our_loops(self.REPORT),
+                         closures.Score(7, 1, 0.5, 0.25, 9, 6))
+        self.assertEqual(compare_loops.our_end_s(self.REPORT), 0.75)
+        self.assertIsNone(compare_loops.our_loops({}))
+
+    def test_a_line_has_the_columns_of_the_header(self):
+        full = compare_loops.Row("x", 0.1, 0.2, np.array([1.0, 2.0, 30.0]), 4.0, 0.5, 600.0, 200.0,
+                                 compare_loops.our_loops(self.REPORT))
+        line = compare_loops.text(full)
+        self.assertEqual(len(line), len(compare_loops.HEADER))
+        self.assertIn("6/9", line)
+        self.assertIn("600 (200)", line)
+        bare = compare_loops.text(compare_loops.Row("x", 0.1, 0.2))
+        self.assertEqual(len(bare), len(compare_loops.HEADER))
+        self.assertNotIn("nan", bare)
 
 
 class Peers(unittest.TestCase):

@@ -11,7 +11,6 @@ truth half a frame later, interpolated. The instant of each peer is asked of the
 """
 
 import argparse
-import json
 import pathlib
 import re
 import sys
@@ -19,15 +18,9 @@ import sys
 import numpy as np
 
 import peers as peer_runner
-from bench import clouds, metrics, ours, poses, registrars
+from bench import clouds, drives, metrics, ours, poses, registrars
 
 KITTI_PROFILE = pathlib.Path(__file__).resolve().parent.parent / "config/profiles/kitti.yaml"
-
-
-def spin_of(drive):
-    """'cw' or 'ccw' of a raw drive, None of a compensated one."""
-    meta = json.loads((drive / "meta.json").read_text())
-    return meta["raw"] if meta["raw"] in ("cw", "ccw") else None
 
 
 def truth_at(truth_cam0, T_cam0_lidar, key, spin):
@@ -84,7 +77,7 @@ def compare(args, drive):
     T_cam0_lidar = poses.read_calibration(drive)
     truth_cam0 = poses.read_poses(drive / "poses.txt")[: args.frames]
     files = clouds.scan_files(drive)[: args.frames]
-    spin = spin_of(drive)
+    spin = drives.spin_of(drive)
 
     def truth_of(key):
         return truth_at(truth_cam0, T_cam0_lidar, key, spin)
@@ -93,8 +86,7 @@ def compare(args, drive):
     if not args.peers_only:
         rows.update(our_rows(args, drive, spin, truth_of("ours"), T_cam0_lidar,
                              args.out / drive.name))
-    steps = np.diff(truth_cam0[:, :3, 3], axis=0)
-    print(f"\n{drive.name}: {len(files)} frames, {np.linalg.norm(steps, axis=1).sum():.0f} m, "
+    print(f"\n{drive.name}: {len(files)} frames, {metrics.path_m(truth_cam0)[-1]:.0f} m, "
           f"{'raw ' + spin if spin else 'compensated'}")
     print_table(rows)
     return rows

@@ -17,7 +17,7 @@ import time
 
 import numpy as np
 
-from bench import clouds, metrics, poses, registrars
+from bench import clouds, kiss_slam, metrics, poses, registrars
 
 
 def limit_cores(threads):
@@ -31,9 +31,7 @@ def run_peer(key, files, correction_deg, threads, spin=None):
     peer = registrars.PEERS[key](threads, deskew=spin is not None)
     trajectory, elapsed_ms = [], []
     for path in files:
-        points = clouds.read_scan(path)
-        share = None if spin is None else clouds.sweep_share(points, spin)
-        points = clouds.raise_elevation(points, correction_deg)
+        points, share = clouds.for_peer(path, correction_deg, spin)
         start = time.perf_counter()
         trajectory.append(peer.register(points, share))
         elapsed_ms.append(1e3 * (time.perf_counter() - start))
@@ -81,6 +79,8 @@ def list_peers():
         instant = (f"de-skews to {registrars.deskew_reference(peer):.2f} of the sweep"
                    if hasattr(peer, "deskewed") else "no de-skewing of its own")
         print(f"{peer.name:<12} {registrars.version(peer):<8} {instant}")
+    kiss_slam.KissSlam(threads=1, deskew=False)  # its libraries are many: do they load?
+    print(f"{'KISS-SLAM':<12} {kiss_slam.version():<8} for compare_loops.py; de-skews as KISS-ICP")
 
 
 def main():

@@ -46,6 +46,13 @@ def sweep_share(points, spin):
     return np.clip(1.0 - share if spin == "cw" else share, 0.0, 1.0)
 
 
+def for_peer(path, correction_deg, spin):
+    """(points, share of the sweep): what every peer gets of a scan; no share of compensated ones."""
+    points = read_scan(path)
+    share = None if spin is None else sweep_share(points, spin)
+    return raise_elevation(points, correction_deg), share
+
+
 def deskew(points, spin, step):
     """Points moved to the middle of the sweep; step: (4, 4) motion T_prev_cur over one sweep."""
     share = (sweep_share(points, spin) - 0.5)[:, None]

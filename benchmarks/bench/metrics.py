@@ -95,10 +95,15 @@ LENGTHS_M = (100, 200, 300, 400, 500, 600, 700, 800)
 START_STEP = 10
 
 
+def path_m(poses):
+    """Length of the path up to each pose, m."""
+    steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
 def kitti_errors(truth, estimate):
     """(t_err %, r_err deg/100 m), segment-weighted mean of the KITTI devkit; NaN if under 100 m."""
-    steps = np.linalg.norm(np.diff(truth[:, :3, 3], axis=0), axis=1)
-    length = np.concatenate([[0.0], np.cumsum(steps)])
+    length = path_m(truth)
     t_errors, r_errors = [], []
     for first in range(0, len(truth), START_STEP):
         for segment in LENGTHS_M:

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import resource
 import subprocess
 
 import numpy as np
@@ -17,6 +18,7 @@ class Run:
     folder: pathlib.Path
     T_world_lidar: np.ndarray
     report: dict  # run.json; empty if there is none
+    cpu_s: float  # processor time of the whole program, reading and writing included
 
 
 def execute(binary, *arguments):
@@ -32,12 +34,16 @@ def execute(binary, *arguments):
 
 def run(binary, sequence, out, *options):
     """tvl run; poses come back in the lidar frame of the first scan."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     execute(binary, "run", sequence, "--out", out, *options)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
     out = pathlib.Path(out)
     T_world_cam0 = se3.read_poses(out / "trajectory_kitti.txt")
     T_world_lidar = se3.to_lidar(T_world_cam0, se3.read_calibration(sequence))
     report = out / "run.json"
-    return Run(out, T_world_lidar, json.loads(report.read_text()) if report.exists() else {})
+    return Run(out, T_world_lidar, json.loads(report.read_text()) if report.exists() else {},
+               cpu_s)
 
 
 def stage_ms(report):
