@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes benchmarks/.venv with the peers in it (Python 3.10 or later with the venv module).
+# Makes benchmarks/.venv with the peers in it (Python 3.10 or later with the venv module); 2 GB, most of it Open3D.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 python3 -c 'import ensurepip' 2> /dev/null || {
