@@ -64,6 +64,14 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_option("--tunnel", arguments->tunnel, "Frames A:B lead through a tunnel");
   command->add_option("--open", arguments->open, "Frames A:B lead through open country");
   command->add_option("--night", arguments->night, "Frames A:B are dark");
+  command
+      ->add_option("--changes", o.changes,
+                   "Share (0..1) of parked cars, bins and plants that change between two passes")
+      ->capture_default_str();
+  command
+      ->add_option("--lateral", o.lateral_m,
+                   "Later laps lead this far left of the first, m (0..2.5; loop presets only)")
+      ->capture_default_str();
   command->add_flag("--clean", o.clean, "A lidar without errors");
   command->add_flag("--no-camera", arguments->no_camera, "Lidar only: much faster");
   command->add_option("--threads", arguments->threads, "Frames made at a time")

@@ -36,10 +36,6 @@ double ClosingTime_s(const SimOptions& options) {
   return std::max(1.0, frame) * kFrameInterval_s;
 }
 
-bool IsLoop(const std::string& preset) {
-  return preset == "loop" || preset == "nightloop" || preset == "lateloop";
-}
-
 // Way at which the lane first leads along a street it has led along before: in the same direction
 // (sign 1) or the opposite one (-1). Its length if it never does.
 double FirstRevisit_m(const Polyline& lane, double sign) {
@@ -61,9 +57,13 @@ struct PlannedRoute {
   TravelProfile travel;
 };
 
+double Duration_s(const SimOptions& options) {
+  return options.frames * kFrameInterval_s + kAhead_s;
+}
+
 PlannedRoute PlanSized(const SimOptions& options, double closing_m) {
   const VehicleOptions vehicle = VehicleFor(options);
-  const double duration_s = options.frames * kFrameInterval_s + kAhead_s;
+  const double duration_s = Duration_s(options);
   const double travel_m = duration_s * 1.25 * vehicle.cruise_m_s + 50.0;
   Route route = PlanRoute(options.preset, options.seed, travel_m, closing_m);
   TravelProfile travel(route, vehicle, options.seed, duration_s);
@@ -74,7 +74,7 @@ PlannedRoute PlanSized(const SimOptions& options, double closing_m) {
 // size is searched for at which the loop closes when it should.
 PlannedRoute PlanPreset(const SimOptions& options) {
   const double closing_s = ClosingTime_s(options);
-  const bool is_loop = IsLoop(options.preset);
+  const bool is_loop = IsLoopPreset(options.preset);
   if (!is_loop && options.preset != "reverse") return PlanSized(options, 0.0);
   const auto closes_s = [&](double closing_m) {
     const PlannedRoute planned = PlanSized(options, closing_m);
@@ -87,7 +87,12 @@ PlannedRoute PlanPreset(const SimOptions& options) {
     while (closing_m > kSmallest_m && closes_s(closing_m) > closing_s) closing_m -= step_m;
     if (round < 3) closing_m += step_m;
   }
-  return PlanSized(options, std::max(kSmallest_m, closing_m));
+  PlannedRoute planned = PlanSized(options, std::max(kSmallest_m, closing_m));
+  if (options.lateral_m == 0.0) return planned;
+  const double back_m = FirstRevisit_m(planned.route.lane, 1.0);
+  Route route = ShiftedFrom(std::move(planned.route), back_m, options.lateral_m);
+  TravelProfile travel(route, VehicleFor(options), options.seed, Duration_s(options));
+  return {std::move(route), std::move(travel)};
 }
 
 std::vector<Rigid3d> DrivePreset(const PlannedRoute& planned, const Terrain& terrain,

@@ -84,6 +84,39 @@ TEST(DriveTest, LoopsCloseWhenTheyShould) {
   EXPECT_NEAR(FirstBack(PlanDrive(Preset("lateloop", 600), Rigid3d())), 580, 12);
 }
 
+// How far a frame lies to the left of the nearest of the first 100 frames; NaN if none is near.
+double LeftOfFirstPass(const Drive& drive, int frame) {
+  const Vector3d p = At(drive, frame).t();
+  int best = -1;
+  double nearest_m = 6.0;
+  for (int j = 0; j < 100; ++j) {
+    const double distance = (At(drive, j).t() - p).head<2>().norm();
+    if (distance < nearest_m) nearest_m = distance, best = j;
+  }
+  return best < 0 ? std::nan("") : (At(drive, best).Inverse() * p).y();
+}
+
+TEST(DriveTest, LaterPassLeadsBesideTheFirst) {
+  SimOptions options = Preset("loop", 600);
+  const Drive usual = PlanDrive(options, Rigid3d());
+  options.lateral_m = 2.0;
+  const Drive drive = PlanDrive(options, Rigid3d());
+  EXPECT_LT((At(drive, 100).t() - At(usual, 100).t()).norm(), 0.02);
+  int back = 0;
+  double hardest = 0.0;
+  for (int k = 1; k < 599; ++k) {
+    const double left = k > 365 ? LeftOfFirstPass(drive, k) : std::nan("");
+    if (!std::isnan(left)) {
+      EXPECT_NEAR(left, 2.0, 0.4) << k;
+      ++back;
+    }
+    const Vector3d a = At(drive, k - 1).t(), b = At(drive, k).t(), c = At(drive, k + 1).t();
+    hardest = std::max(hardest, (c - 2 * b + a).norm() / 0.01);
+  }
+  EXPECT_GT(back, 50);
+  EXPECT_LT(hardest, 4.5) << "m/s^2";
+}
+
 TEST(DriveTest, ReverseComesBackTheOtherWay) {
   const Drive drive = PlanDrive(Preset("reverse", 1000), Rigid3d());
   int opposite = 0;

@@ -76,6 +76,8 @@ void WriteMeta(const SimDataset& drive, const fs::path& path) {
       {"raw", SpinName(o.raw)},
       {"clean", o.clean},
       {"camera", o.has_camera},
+      {"changes", o.changes},
+      {"lateral_m", o.lateral_m},
       {"tunnel_frames", RangeText(o.tunnel)},
       {"open_frames", RangeText(o.open)},
       {"night_frames", RangeText(drive.drive().night)},

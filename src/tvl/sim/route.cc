@@ -161,6 +161,26 @@ std::vector<double> ChooseStops(const Polyline& lane, Rng* rng) {
 
 }  // namespace
 
+double Route::ShiftAt(double way_m) const {
+  if (shift_m == 0.0) return 0.0;
+  const double x = (way_m - shift_begin_m) / (shift_end_m - shift_begin_m);
+  const double share = std::clamp(x, 0.0, 1.0);
+  return shift_m * share * share * (3.0 - 2.0 * share);
+}
+
+Route ShiftedFrom(Route route, double way_m, double left_m) {
+  constexpr double kChange_m = 40.0;
+  route.shift_m = left_m;
+  route.shift_begin_m = way_m - kChange_m, route.shift_end_m = way_m;
+  std::vector<Vector2d> points;
+  for (const double s : route.lane.s_m()) {
+    const Vector2d t = route.lane.Tangent(s);
+    points.push_back(route.lane.At(s) + route.ShiftAt(s) * Vector2d(-t.y(), t.x()));
+  }
+  route.lane = Polyline(std::move(points)).Resampled(kSampling_m);
+  return route;
+}
+
 Route PlanRoute(const std::string& preset, uint64_t seed, double travel_m, double closing_m) {
   Rng rng(seed, kRouteStream);
   const bool is_straight = preset == "aliasing" || preset == "tunnel";

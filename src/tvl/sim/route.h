@@ -18,7 +18,16 @@ struct Route {
   std::vector<Polyline> axes;   // middles of streets: the driven ones, and side streets
   std::vector<double> stops_m;  // where along the lane the vehicle stops for some seconds
   double tunnel_begin_m = 0.0, tunnel_end_m = 0.0;  // along the lane; empty if equal
+  // The lane lies this far to the left of its usual place in the street from shift_end_m on, and
+  // gradually so from shift_begin_m.
+  double shift_m = 0.0, shift_begin_m = 0.0, shift_end_m = 0.0;
+  // To the left of the usual place, m.
+  double ShiftAt(double way_m) const;
 };
+
+// The route with its lane moved to the left from `way_m` on, over 40 m before that. Stops stay
+// where they are along the lane.
+Route ShiftedFrom(Route route, double way_m, double left_m);
 
 // The route of a preset, long enough for travel_m. `closing_m` is how far the vehicle has come
 // when a loop of the presets loop, nightloop and lateloop (or the turn-back of reverse) closes.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 #include "tvl/base/check.h"
 #include "tvl/base/parallel.h"
@@ -9,6 +10,7 @@
 #include "tvl/base/units.h"
 #include "tvl/io/profile.h"
 #include "tvl/sim/camera_renderer.h"
+#include "tvl/sim/changes.h"
 #include "tvl/sim/lidar_sensor.h"
 #include "tvl/sim/prototypes.h"
 #include "tvl/sim/town.h"
@@ -70,7 +72,10 @@ SceneDescription Describe(const SimOptions& options, const Drive& drive) {
   description.movers =
       std::make_shared<Traffic>(drive.route, drive.terrain, drive.travel, prototypes,
                                 drive.frames * kFrameInterval_s, TrafficFor(options));
-  return description;
+  ChangeOptions changes;
+  changes.seed = options.seed, changes.share = options.changes;
+  return WithChanges(std::move(description), prototypes,
+                     {drive.T_world_lidar, drive.frames * kFrameInterval_s}, changes);
 }
 
 LidarSensorOptions LidarOptionsFor(const SimOptions& options) {

@@ -144,7 +144,8 @@ std::vector<double> PlacesTooTight(const SimDataset& data) {
     uint32_t blocked = 0;
     RayPacket rays;
     for (int k = 0; k < 72; ++k) {
-      const double angle = 2 * M_PI * k / 24, up = 0.4 + 0.7 * (k / 24);
+      const int level = k / 24;
+      const double angle = 2 * M_PI * k / 24, up = 0.4 + 0.7 * level;
       rays.Set(k % 8, Vector3d(p.x(), p.y(), ground + up).cast<float>(),
                Vector3d(std::cos(angle), std::sin(angle), 0).cast<float>(), 1.5F);
       if (k % 8 == 7) blocked |= view.Occluded(rays);
@@ -159,6 +160,16 @@ TEST(SimDatasetTest, NothingStillStandsNearTheLane) {
   for (const char* preset : {"loop", "reverse", "traffic"}) {
     EXPECT_THAT(PlacesTooTight(SimDataset(LidarOnly(preset, 500))), ::testing::IsEmpty()) << preset;
   }
+}
+
+TEST(SimDatasetTest, ChangedPlacesAreAnotherSight) {
+  SimOptions options = LidarOnly("loop", 700);
+  options.clean = true;
+  const SimDataset usual(options);
+  options.changes = 1.0;
+  const SimDataset changed(options);
+  EXPECT_EQ(usual.Truth_T_world_lidar(600).t(), changed.Truth_T_world_lidar(600).t());
+  EXPECT_NE(usual.Frame(600).scan->points, changed.Frame(600).scan->points);
 }
 
 TEST(SimDatasetTest, TunnelHidesTheTown) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <sstream>
+#include <type_traits>
 
 #include "tvl/base/check.h"
 
@@ -21,7 +22,8 @@ T ParseNumber(const std::string& text, const std::string& field) {
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   TVL_CHECK_INPUT(error == std::errc() && end == text.data() + text.size())
-      << field << ": want a whole number, got '" << text << "'";
+      << field << ": want a " << (std::is_integral_v<T> ? "whole " : "") << "number, got '" << text
+      << "'";
   return value;
 }
 
@@ -46,6 +48,8 @@ void SetOption(const std::string& key, const std::string& value, SimOptions* o) 
       {"rings", [&] { o->exact_rings = ParseFlag(value, key); }},
       {"threads", [&] { o->threads = ParseNumber<int>(value, key); }},
       {"trajectory", [&] { o->trajectory_file = value; }},
+      {"changes", [&] { o->changes = ParseNumber<double>(value, key); }},
+      {"lateral", [&] { o->lateral_m = ParseNumber<double>(value, key); }},
       {"tunnel", [&] { o->tunnel = ParseFrameRange(value, key); }},
       {"open", [&] { o->open = ParseFrameRange(value, key); }},
       {"night", [&] { o->night = ParseFrameRange(value, key); }},
@@ -80,9 +84,18 @@ void SimOptions::Check() const {
   TVL_CHECK_INPUT(frames >= (trajectory_file.empty() ? 1 : 0))
       << "frames: must be positive, is " << frames;
   TVL_CHECK_INPUT(threads >= 1) << "threads: must be at least 1, is " << threads;
+  TVL_CHECK_INPUT(changes >= 0.0 && changes <= 1.0) << "changes: want 0..1, is " << changes;
+  TVL_CHECK_INPUT(lateral_m >= 0.0 && lateral_m <= 2.5)
+      << "lateral: want 0..2.5 m, is " << lateral_m;
+  TVL_CHECK_INPUT(lateral_m == 0.0 || (IsLoopPreset(preset) && trajectory_file.empty()))
+      << "lateral: only for loop, nightloop and lateloop on their own routes";
   CheckRange(tunnel, "tunnel");
   CheckRange(open, "open");
   CheckRange(night, "night");
+}
+
+bool IsLoopPreset(const std::string& preset) {
+  return preset == "loop" || preset == "nightloop" || preset == "lateloop";
 }
 
 bool IsSimUri(const std::string& text) { return text.rfind(kPrefix, 0) == 0; }

@@ -34,6 +34,12 @@ struct SimOptions {
   // kNone: scans are compensated to the image instant; else the raw points of a scanner that
   // spins that way.
   Deskew raw = Deskew::kNone;
+  // Of the parked cars, bins and plants, this share changes between two passes of a place, out of
+  // sight: comes, goes, makes room for another; foliage moves. 0..1.
+  double changes = 0.0;
+  // The passes after the first lead this far to the left of it, m, 0..2.5: loop, nightloop and
+  // lateloop on their own routes only. Oncoming cars stay away where they have no room.
+  double lateral_m = 0.0;
   FrameRange tunnel, open, night;  // where the drive leads through these, besides the preset's own
   bool clean = false;              // a sensor without errors, for tests of the ideal case
   bool has_camera = true;          // images cost most of the time
@@ -44,11 +50,15 @@ struct SimOptions {
   void Check() const;
 };
 
+// Presets that drive around a block and on over the same streets.
+bool IsLoopPreset(const std::string& preset);
+
 // True for "sim:..." names.
 bool IsSimUri(const std::string& text);
 
 // sim:PRESET?seed=7&frames=1000&raw=ccw&clean=1&trajectory=FILE&tunnel=A:B&open=A:B&night=A:B
-// &camera=0&rings=1&threads=2. Throws InputError naming an unknown key or a bad value.
+// &changes=0.5&lateral=2&camera=0&rings=1&threads=2. Throws InputError naming an unknown key or a
+// bad value.
 SimOptions ParseSimUri(const std::string& uri);
 
 // "none", "cw", "ccw". Throws InputError.

@@ -44,6 +44,20 @@ TEST(SimUriTest, DefaultsToErrorsAndCamera) {
   EXPECT_EQ(o.raw, Deskew::kNone);
 }
 
+TEST(SimUriTest, PlacesMayChangeBetweenPasses) {
+  const SimOptions o = ParseSimUri("sim:lateloop?changes=0.5&lateral=2");
+  EXPECT_EQ(o.changes, 0.5);
+  EXPECT_EQ(o.lateral_m, 2.0);
+  EXPECT_EQ(ParseSimUri("sim:loop").changes, 0.0);
+  EXPECT_EQ(ParseSimUri("sim:loop").lateral_m, 0.0);
+  EXPECT_THAT(ErrorOf("sim:city?changes=1.5"), HasSubstr("changes: want 0..1"));
+  EXPECT_THAT(ErrorOf("sim:city?changes=nan"), HasSubstr("changes: want 0..1"));
+  EXPECT_THAT(ErrorOf("sim:city?changes=half"), HasSubstr("changes: want a number"));
+  EXPECT_THAT(ErrorOf("sim:loop?lateral=3"), HasSubstr("lateral: want 0..2.5"));
+  EXPECT_THAT(ErrorOf("sim:reverse?lateral=1"), HasSubstr("lateral: only for loop"));
+  EXPECT_THAT(ErrorOf("sim:loop?lateral=1&trajectory=a.txt"), HasSubstr("lateral: only for loop"));
+}
+
 TEST(SimUriTest, NamesWhatIsWrong) {
   EXPECT_THAT(ErrorOf("sim:city?sed=7"), HasSubstr("unknown key 'sed'"));
   EXPECT_THAT(ErrorOf("sim:village"), HasSubstr("preset: unknown 'village'"));

@@ -22,7 +22,7 @@ constexpr double kEgoLength_m = 6.0;
 
 Traffic::Traffic(const Route& route, const Terrain& terrain, const TravelProfile& travel,
                  const Prototypes& prototypes, double duration_s, const TrafficOptions& options)
-    : lane_(route.lane), terrain_(terrain), travel_(travel), axes_(route.axes, 16.0) {
+    : route_(route), terrain_(terrain), travel_(travel), axes_(route.axes, 16.0) {
   if (options.oncoming_every_s > 0.0) AddOncoming(prototypes, duration_s, options);
   if (options.pedestrian_every_m > 0.0) AddPedestrians(prototypes, duration_s, options);
   AddCompanions(prototypes, options);
@@ -78,9 +78,8 @@ bool Traffic::MeetsEgo(const Passer& passer) const {
   const double life_s = passer.reach_m / std::max(0.1, std::abs(passer.speed_m_s));
   for (double t = passer.meet_s - life_s; t < passer.meet_s + life_s; t += 0.1) {
     const double way = passer.meet_way_m + passer.speed_m_s * (t - passer.meet_s);
-    const Vector2d tangent = lane_.Tangent(way);
-    const Vector2d p = lane_.At(way) + passer.left_m * Vector2d(-tangent.y(), tangent.x());
-    if ((p - lane_.At(travel_.Way_m(t))).norm() < 2.8) return true;
+    const Vector2d p = Beside(way, passer.left_m - route_.ShiftAt(way));
+    if ((p - route_.lane.At(travel_.Way_m(t))).norm() < 2.8) return true;
   }
   return false;
 }
@@ -91,9 +90,14 @@ double Traffic::CompanionWay(const Companion& c, double time_s) const {
   return travel_.Way_m(time_s + c.lead_s + swing) + sign * kEgoLength_m;
 }
 
+Vector2d Traffic::Beside(double way_m, double left_m) const {
+  const Vector2d t = route_.lane.Tangent(way_m);
+  return route_.lane.At(way_m) + left_m * Vector2d(-t.y(), t.x());
+}
+
 Rigid3d Traffic::PoseAt(double way_m, double left_m, bool is_reversed) const {
-  const Vector2d t = lane_.Tangent(way_m);
-  const Vector2d p = lane_.At(way_m) + left_m * Vector2d(-t.y(), t.x());
+  const Vector2d t = route_.lane.Tangent(way_m);
+  const Vector2d p = Beside(way_m, left_m);
   const Vector2d heading = is_reversed ? Vector2d(-t) : t;
   const double z = terrain_.Height(p) + ProfileHeight({}, std::min(10.0, axes_.Distance(p)));
   const Vector3d up = terrain_.Normal(p);
@@ -108,14 +112,16 @@ std::vector<SceneMover> Traffic::Movers(double begin_s, double end_s) const {
   std::vector<SceneMover> movers;
   for (size_t i = 0; i < passers_.size(); ++i) {
     const Passer& p = passers_[i];
-    const auto way = [&](double t) { return p.speed_m_s * (t - p.meet_s); };
-    const double near_m = std::abs(way(0.5 * (begin_s + end_s)));
+    const auto gone = [&](double t) { return p.speed_m_s * (t - p.meet_s); };
+    const double near_m = std::abs(gone(0.5 * (begin_s + end_s)));
     const double ego_m = std::abs(travel_.Way_m(begin_s) - p.meet_way_m);
     if (near_m > p.reach_m || ego_m > kCarReach_m) continue;
     const bool is_reversed = p.speed_m_s < 0.0;
-    movers.push_back({p.prototype, static_cast<uint32_t>(i),
-                      PoseAt(p.meet_way_m + way(begin_s), p.left_m, is_reversed),
-                      PoseAt(p.meet_way_m + way(end_s), p.left_m, is_reversed)});
+    const auto pose = [&](double t) {
+      const double way = p.meet_way_m + gone(t);
+      return PoseAt(way, p.left_m - route_.ShiftAt(way), is_reversed);
+    };
+    movers.push_back({p.prototype, static_cast<uint32_t>(i), pose(begin_s), pose(end_s)});
   }
   for (size_t i = 0; i < companions_.size(); ++i) {
     const Companion& c = companions_[i];

@@ -21,8 +21,9 @@ struct TrafficOptions {
   double leader_gap_s = 8.0;         // mean time the leaders are ahead
 };
 
-// Movers follow the streets of the route and are where they are by time alone, so that any
-// instant can be asked for. Const and thread-safe.
+// Passers who would come within 2.8 m of the ego vehicle stay away: where a shifted lane leaves no
+// room, nobody comes towards it. Movers follow the streets of the route and are where they are by
+// time alone, so that any instant can be asked for. Const and thread-safe.
 class Traffic : public MoverSource {
  public:
   Traffic(const Route& route, const Terrain& terrain, const TravelProfile& travel,
@@ -37,7 +38,7 @@ class Traffic : public MoverSource {
     double meet_s, meet_way_m;  // when, and where along `line`
     double speed_m_s;           // along `line`, negative: against it
     double reach_m;             // exists as long as it is this close to where they meet
-    double left_m;              // beside `line`
+    double left_m;              // beside `line` as it usually lies in the street
   };
   // Drives in the own lane, a varying time ahead (positive) or behind.
   struct Companion {
@@ -45,6 +46,7 @@ class Traffic : public MoverSource {
     double lead_s, swing_s, period_s, phase_rad;
   };
 
+  Eigen::Vector2d Beside(double way_m, double left_m) const;
   Rigid3d PoseAt(double way_m, double left_m, bool is_reversed) const;
   double CompanionWay(const Companion& companion, double time_s) const;
   bool MeetsEgo(const Passer& passer) const;
@@ -53,7 +55,7 @@ class Traffic : public MoverSource {
                       const TrafficOptions& options);
   void AddCompanions(const Prototypes& prototypes, const TrafficOptions& options);
 
-  Polyline lane_;
+  Route route_;
   Terrain terrain_;
   TravelProfile travel_;
   PolylineIndex axes_;

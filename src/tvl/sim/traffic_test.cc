@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "tvl/geometry/rigid3_matchers.h"
@@ -67,6 +68,26 @@ TEST_F(TrafficTest, MoversGoOnSmoothlyFromSweepToSweep) {
   }
   EXPECT_GT(followed, 1000U);
   EXPECT_GT(moving, 500U);
+}
+
+// The ego vehicle changes its place in the street, the others do not.
+TEST_F(TrafficTest, PassersKeepTheirPlaceInTheStreet) {
+  const Route shifted = ShiftedFrom(route_, 100.0, 0.5);
+  const Traffic traffic(shifted, terrain_, travel_, prototypes_, kDuration_s, {});
+  const PolylineIndex axis({route_.axes.front()}, 16.0);
+  size_t oncoming = 0, astray = 0;
+  for (double t = 20.0; t < kDuration_s; t += 0.5) {
+    for (const SceneMover& m : traffic.Movers(t, t)) {
+      if (m.prototype < prototypes_.car.first || m.prototype >= prototypes_.van.first + 2) continue;
+      const double from_axis = axis.Distance(m.T_world_object_begin.t().head<2>());
+      const bool is_oncoming = std::abs(from_axis - kLaneOffset_m) < 0.2;
+      const bool is_companion = std::abs(from_axis - kLaneOffset_m + 0.5) < 0.2;
+      oncoming += is_oncoming ? 1 : 0;
+      astray += is_oncoming || is_companion ? 0 : 1;
+    }
+  }
+  EXPECT_GT(oncoming, 20U);
+  EXPECT_LT(astray, oncoming / 10) << "corners are cut a little";
 }
 
 TEST_F(TrafficTest, CanBeSwitchedOff) {
