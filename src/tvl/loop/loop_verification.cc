@@ -150,7 +150,9 @@ LoopStatus Judge(const LoopVerdict& v, int raised, const LoopVerificationOptions
     return LoopStatus::kHighRms;
   }
   if (v.overlap < options.min_overlap) return LoopStatus::kLowOverlap;
-  if (v.seen_through > options.max_seen_through) return LoopStatus::kContradicted;
+  if (v.seen_through > options.max_seen_through || v.overlap - v.seen_through < options.min_fit) {
+    return LoopStatus::kContradicted;
+  }
   if (v.translation_ratio < options.min_translation_ratio ||
       v.rotation_ratio < options.min_rotation_ratio) {
     return LoopStatus::kWeak;
@@ -230,6 +232,7 @@ void LoopVerificationOptions::Check() const {
       << "loop_verification.min_overlap: must be in 0..1";
   TVL_CHECK_INPUT(max_seen_through >= 0.0 && max_seen_through <= 1.0)
       << "loop_verification.max_seen_through: must be in 0..1";
+  TVL_CHECK_INPUT(min_fit >= 0.0 && min_fit <= 1.0) << "loop_verification.min_fit: must be in 0..1";
   TVL_CHECK_INPUT(max_ambiguity > 0.0 && max_ambiguity <= 1.0)
       << "loop_verification.max_ambiguity: must be in 0..1";
   TVL_CHECK_INPUT(min_points >= 1) << "loop_verification.min_points: must be at least 1";

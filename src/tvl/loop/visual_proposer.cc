@@ -7,11 +7,33 @@
 namespace tvl {
 namespace {
 
-PnpMatch MatchOf(const FeaturePair& pair, const ImageFeatures& history,
-                 const ImageFeatures& current) {
-  const auto h = static_cast<size_t>(pair.history), c = static_cast<size_t>(pair.current);
-  return {history.ray_cam[h].cast<double>(), current.ray_cam[c].cast<double>(),
-          static_cast<double>(history.depth_m[h]), static_cast<double>(current.depth_m[c])};
+// Each round brings in features that the pose before was too far off for; a third adds none.
+constexpr int kGuidedRounds = 2;
+
+std::vector<PnpMatch> MatchesOf(const std::vector<FeaturePair>& pairs, const ImageFeatures& history,
+                                const ImageFeatures& current) {
+  std::vector<PnpMatch> matches;
+  for (const FeaturePair& pair : pairs) {
+    const auto h = static_cast<size_t>(pair.history), c = static_cast<size_t>(pair.current);
+    matches.push_back({history.ray_cam[h].cast<double>(), current.ray_cam[c].cast<double>(),
+                       static_cast<double>(history.depth_m[h]),
+                       static_cast<double>(current.depth_m[c])});
+  }
+  return matches;
+}
+
+// A pose from few matches, then from all that it leads to.
+PnpResult FindPose(const std::vector<FeaturePair>& pairs, const ImageFeatures& history,
+                   const ImageFeatures& current, const VisualProposerOptions& options) {
+  PnpOptions start = options.pnp;
+  start.min_inliers = options.min_start_inliers;
+  PnpResult pnp = SolvePnp(MatchesOf(pairs, history, current), start);
+  for (int round = 1; round <= kGuidedRounds && pnp.status == PnpStatus::kFound; ++round) {
+    const auto guided = MatchGuided(history, current, pnp.T_history_current, options.guided);
+    pnp =
+        SolvePnp(MatchesOf(guided, history, current), round == kGuidedRounds ? options.pnp : start);
+  }
+  return pnp;
 }
 
 bool IsBetter(const Island& a, const Island& b) {
@@ -56,7 +78,10 @@ void VisualProposerOptions::Check() const {
   TVL_CHECK_INPUT(min_consistent >= 1)
       << "min_consistent: must be at least 1, is " << min_consistent;
   TVL_CHECK_INPUT(max_islands >= 1) << "max_islands: must be at least 1, is " << max_islands;
+  TVL_CHECK_INPUT(min_start_inliers >= 6)
+      << "min_start_inliers: must be at least 6, is " << min_start_inliers;
   matching.Check();
+  guided.Check();
   pnp.Check();
 }
 
@@ -112,17 +137,14 @@ VisualCandidate VisualProposer::Compare(int current, const Island& island,
   const std::shared_ptr<const ImageFeatures> of_history = features(island.best);
   const std::shared_ptr<const ImageFeatures> of_current = features(current);
   TVL_CHECK(of_history != nullptr && of_current != nullptr) << "no features of a keyframe";
-  std::vector<PnpMatch> matches;
-  for (const FeaturePair& pair :
-       MatchFeatures(*of_history, database_.direct_index(island.best), *of_current,
-                     database_.direct_index(current), options_.matching)) {
-    matches.push_back(MatchOf(pair, *of_history, *of_current));
-  }
-  const PnpResult pnp = SolvePnp(matches, options_.pnp);
+  const std::vector<FeaturePair> pairs =
+      MatchFeatures(*of_history, database_.direct_index(island.best), *of_current,
+                    database_.direct_index(current), options_.matching);
+  const PnpResult pnp = FindPose(pairs, *of_history, *of_current, options_);
   const Rigid3d& T_cam_lidar = calibration_.T_cam_lidar;
   return {island,
           VerdictOf(pnp.status),
-          static_cast<int>(matches.size()),
+          static_cast<int>(pairs.size()),
           pnp.points,
           pnp.inliers,
           T_cam_lidar.Inverse() * pnp.T_history_current * T_cam_lidar};

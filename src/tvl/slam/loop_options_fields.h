@@ -32,6 +32,12 @@ void VisitFields(Visitor& visit, FeatureMatchingOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, GuidedMatchingOptions& options) {
+  TVL_FIELD(max_error_rad);
+  TVL_FIELD(max_distance_bits);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, PnpOptions& options) {
   TVL_FIELD(max_error_rad);
   TVL_FIELD(min_inliers);
@@ -50,6 +56,8 @@ void VisitFields(Visitor& visit, VisualProposerOptions& options) {
   TVL_FIELD(min_consistent);
   TVL_FIELD(max_islands);
   TVL_FIELD(matching);
+  TVL_FIELD(min_start_inliers);
+  TVL_FIELD(guided);
   TVL_FIELD(pnp);
 }
 
@@ -156,6 +164,7 @@ void VisitFields(Visitor& visit, LoopVerificationOptions& options) {
   TVL_FIELD(max_raised_rms_m);
   TVL_FIELD(min_overlap);
   TVL_FIELD(max_seen_through);
+  TVL_FIELD(min_fit);
   TVL_FIELD(max_ambiguity);
   TVL_FIELD(min_translation_ratio);
   TVL_FIELD(min_rotation_ratio);
