@@ -64,36 +64,46 @@ std::vector<Vector3f> LookoutPoints(const Mesh& mesh) {
 // Tells when a thing can be seen, houses and ground alone being in the way.
 class Lookout {
  public:
-  Lookout(const SceneDescription& houses, const Prototypes& prototypes, const SensorPath& path,
-          double sight_m)
-      : scene_(houses), view_(scene_.View(0.0, 0.0)), sight_m_(sight_m) {
+  Lookout(const SceneDescription& houses, const Prototypes& prototypes, const SensorPath& path)
+      : scene_(houses), view_(scene_.View(0.0, 0.0)) {
     for (const Mesh& mesh : prototypes.meshes) points_.push_back(LookoutPoints(mesh));
     for (double t = 0.0; t <= path.end_s; t += kLookEvery_s) {
       eyes_.push_back(path.T_world_lidar.At(t).t());
     }
   }
 
-  // Middles of the times out of sight between two passes.
-  std::vector<double> Gaps(const SceneInstance& thing, double least_s) const {
+  // Times between two passes at which nobody can see the thing.
+  std::vector<double> Gaps(const SceneInstance& thing, const ChangeOptions& options) const {
     std::vector<Vector3d> points;
     for (const Vector3f& p : points_[thing.prototype]) {
       points.push_back(thing.T_world_object * p.cast<double>());
     }
     std::vector<double> gaps;
-    double last_s = -1.0;  // seen last; not yet
+    double passed_s = -1.0, seen_s = -1.0;  // last; not yet
+    Hidden longest;
     for (size_t i = 0; i < eyes_.size(); ++i) {
-      if (!Sees(eyes_[i], points)) continue;
+      if (!Sees(eyes_[i], points, options.sight_m)) continue;
       const double now_s = kLookEvery_s * static_cast<double>(i);
-      if (last_s >= 0.0 && now_s - last_s >= least_s) gaps.push_back(0.5 * (last_s + now_s));
-      last_s = now_s;
+      if (seen_s >= 0.0 && now_s - seen_s > longest.Length_s()) longest = {seen_s, now_s};
+      seen_s = now_s;
+      if ((points.front() - eyes_[i]).head<2>().norm() > options.pass_m) continue;
+      if (passed_s >= 0.0 && now_s - passed_s >= options.pass_gap_s &&
+          longest.Length_s() >= options.hidden_s) {
+        gaps.push_back(0.5 * (longest.begin_s + longest.end_s));
+      }
+      passed_s = now_s, longest = {};
     }
     return gaps;
   }
 
  private:
-  bool Sees(const Vector3d& eye, const std::vector<Vector3d>& points) const {
+  struct Hidden {
+    double begin_s = 0.0, end_s = 0.0;
+    double Length_s() const { return end_s - begin_s; }
+  };
+  bool Sees(const Vector3d& eye, const std::vector<Vector3d>& points, double sight_m) const {
     const double away_m = (points.front() - eye).head<2>().norm();
-    if (away_m > sight_m_) return false;
+    if (away_m > sight_m) return false;
     if (away_m < kAlwaysSeen_m) return true;
     for (size_t i = 0; i < points.size();) {
       RayPacket rays;
@@ -109,7 +119,6 @@ class Lookout {
 
   Scene scene_;
   SceneView view_;
-  double sight_m_;
   std::vector<std::vector<Vector3f>> points_;  // of each prototype
   std::vector<Vector3d> eyes_;
 };
@@ -198,14 +207,14 @@ SceneDescription WithChanges(SceneDescription description, const Prototypes& pro
   if (options.share == 0.0) return description;
   SceneDescription houses;
   houses.structures = std::move(description.structures);
-  const Lookout lookout(houses, prototypes, path, options.sight_m);
+  const Lookout lookout(houses, prototypes, path);
   std::vector<SceneInstance> still;
   std::vector<Stay> stays;
   for (size_t i = 0; i < description.instances.size(); ++i) {
     const SceneInstance& thing = description.instances[i];
     std::vector<double> gaps_s;
     if (IsMovable(prototypes, thing.prototype) || IsPlant(prototypes, thing.prototype)) {
-      gaps_s = lookout.Gaps(thing, options.pass_gap_s);
+      gaps_s = lookout.Gaps(thing, options);
     }
     Rng rng(options.seed, kChangesStream + i);
     const std::vector<Stay> here = StaysOf(thing, prototypes, gaps_s, options.share, &rng);

@@ -20,7 +20,10 @@ struct ChangeOptions {
   // Seen is what lies in line of sight, the houses being opaque, and no farther away than this:
   // more than the lidar's 80 m.
   double sight_m = 120.0;
-  double pass_gap_s = 15.0;  // out of sight this long before the next sight is another pass
+  // A thing is passed while it is seen this near, and passed again after at least this time...
+  double pass_m = 50.0;
+  double pass_gap_s = 15.0;
+  double hidden_s = 3.0;  // ...during which it must be out of sight this long to change
 };
 
 // The way the sensors take.
@@ -55,10 +58,10 @@ class ChangingThings : public MoverSource {
 };
 
 // The town with a share of its things turned into ChangingThings (around description.movers).
-// Every change happens in the middle of a time at which the place is out of sight, judged every
-// 0.3 s from the lidar's position. What stands in for a thing needs no more room than was kept free
-// for that. A share of 0 returns the description as it is. The changes at a smaller share are among
-// those at a larger one.
+// Every change happens in the middle of the longest time between two passes at which the place is
+// out of sight, judged every 0.3 s from the lidar's position. What stands in for a thing needs no
+// more room than was kept free for that. A share of 0 returns the description as it is. The changes
+// at a smaller share are among those at a larger one.
 SceneDescription WithChanges(SceneDescription description, const Prototypes& prototypes,
                              const SensorPath& path, const ChangeOptions& options);
 

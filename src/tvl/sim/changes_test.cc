@@ -126,7 +126,7 @@ TEST(ChangesTest, NothingChangesInSight) {
       if (!std::isfinite(change_s)) continue;
       ++changes;
       const Vector3d p = stay.thing.T_world_object * Vector3d(0, 0, 1.0);
-      for (double t = change_s - 2.0; t < change_s + 2.0; t += 0.1) {
+      for (double t = change_s - 1.0; t < change_s + 1.0; t += 0.1) {
         const Vector3d ray = p - town.EyeAt(t);
         if (ray.head<2>().norm() > 120.0) continue;
         RayPacket rays;
