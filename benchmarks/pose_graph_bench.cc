@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tvl/base/index.h"
 #include "tvl/io/g2o.h"
 #include "tvl/pose_graph/batch_pose_graph.h"
 #include "tvl/pose_graph/incremental_pose_graph.h"
@@ -99,7 +100,7 @@ json LeastSquares(const SyntheticGraph& drive) {
 
 PoseGraph OnlyLoops(const PoseGraph& graph, const std::vector<int>& loops) {
   PoseGraph result{graph.T_world, graph.odometry, {}};
-  for (const int loop : loops) result.loops.push_back(graph.loops[loop]);
+  for (const int loop : loops) result.loops.push_back(graph.loops[Index(loop)]);
   return result;
 }
 
@@ -140,7 +141,7 @@ json Robustness(const SyntheticGraph& drive) {
   for (const PoseConstraint& c : drive.graph.odometry) chain.Add(c);
   const std::vector<int> set = ConsistentSet(chain, drive.graph.loops, kWidthSq);
   std::vector<double> in_set(drive.graph.loops.size(), 0.0);
-  for (const int loop : set) in_set[loop] = 1.0;
+  for (const int loop : set) in_set[Index(loop)] = 1.0;
   const auto agreed = Batch(OnlyLoops(drive.graph, set), LoopLoss::kNone);
   report["consistent set"] = Verdict(drive, agreed.T_world, in_set, set_time.Ms());
   const ProcessorTime time;

@@ -59,14 +59,20 @@ def main():
     files = recent_first(root, compiled_sources(root, build))
     start = time.monotonic()
     deadline = None if args.budget_s is None else start + args.budget_s
+    bad, left = [], 0
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-        results = list(pool.map(lambda f: lint(tool, root, build, f, deadline), files))
-    bad = [r for r in results if r is not None and r.returncode != 0]
-    for result in bad:
-        print(result.stdout.strip() or result.stderr.strip())
-    left = sum(r is None for r in results)
+        path_of = {pool.submit(lint, tool, root, build, f, deadline): f for f in files}
+        for done in concurrent.futures.as_completed(path_of):
+            result = done.result()
+            if result is None:
+                left += 1
+            elif result.returncode != 0:
+                bad.append(path_of[done])
+                # At once: a log that is cut still names the finding.
+                print(result.stdout.strip() or result.stderr.strip(), flush=True)
     print(f"clang-tidy: {len(files) - left} of {len(files)} sources in {time.monotonic() - start:.0f} s, "
-          f"{len(bad)} with findings" + (f"; {left} left out by the time budget" if left else ""))
+          f"{len(bad)} with findings" + (": " + ", ".join(sorted(bad)) if bad else "")
+          + (f"; {left} left out by the time budget" if left else ""))
     return 1 if bad else 0
 
 

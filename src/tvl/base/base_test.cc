@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "tvl/base/check.h"
+#include "tvl/base/index.h"
 #include "tvl/base/parallel.h"
 #include "tvl/base/rng.h"
 #include "tvl/base/time.h"
@@ -21,6 +23,12 @@ TEST(Check, ThrowsWithConditionAndMessage) {
   }
   EXPECT_THROW(TVL_CHECK_INPUT(false) << "x", InputError);
   EXPECT_NO_THROW(TVL_CHECK(true) << "never");
+}
+
+TEST(Index, IsThePositionAndRefusesNegativeOnes) {
+  static_assert(Index(0) == 0);
+  EXPECT_EQ(Index(std::numeric_limits<int>::max()), 2147483647u);
+  EXPECT_THROW(Index(-1), Error);
 }
 
 TEST(Timestamp, KeepsNanosecondsOfLargeStamps) {

@@ -20,7 +20,9 @@ int CellOf(double x_m, double cell_m) { return static_cast<int>(std::floor(x_m /
 class TargetGrid {
  public:
   TargetGrid(const std::vector<Eigen::Vector2f>& points, int half, double cell_m)
-      : half_(half), width_(2 * half + 1), weights_(static_cast<size_t>(width_) * width_, 0) {
+      : half_(half),
+        width_(2 * half + 1),
+        weights_(static_cast<size_t>(width_) * static_cast<size_t>(width_), 0) {
     for (const Eigen::Vector2f& p : points) {
       const int x = CellOf(p.x(), cell_m), y = CellOf(p.y(), cell_m);
       if (std::abs(x) < half && std::abs(y) < half) Draw(x, y);

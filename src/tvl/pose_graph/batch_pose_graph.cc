@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tvl/base/check.h"
+#include "tvl/base/index.h"
 #include "tvl/pose_graph/constraint_error.h"
 #include "tvl/pose_graph/loop_consistency.h"
 
@@ -47,10 +48,10 @@ double Cost(const PoseGraph& graph, const std::vector<Rigid3d>& T_world,
             const LoopWeighing& weighing) {
   double sum = 0.0;
   for (const PoseConstraint& c : graph.odometry) {
-    sum += SquaredError(c, T_world[c.from], T_world[c.to]);
+    sum += SquaredError(c, T_world);
   }
   for (const PoseConstraint& c : graph.loops) {
-    sum += weighing(SquaredError(c, T_world[c.from], T_world[c.to])).rho;
+    sum += weighing(SquaredError(c, T_world)).rho;
   }
   return 0.5 * sum;
 }
@@ -60,7 +61,7 @@ std::vector<double> Weights(const PoseGraph& graph, const std::vector<Rigid3d>& 
   std::vector<double> weights;
   weights.reserve(graph.loops.size());
   for (const PoseConstraint& c : graph.loops) {
-    weights.push_back(weighing(SquaredError(c, T_world[c.from], T_world[c.to])).weight);
+    weights.push_back(weighing(SquaredError(c, T_world)).weight);
   }
   return weights;
 }
@@ -89,7 +90,8 @@ NormalSystem Linearize(const PoseGraph& graph, const std::vector<Rigid3d>& T_wor
   Triplets triplets;
   triplets.reserve(78 * (graph.odometry.size() + graph.loops.size()));
   const auto add = [&](const PoseConstraint& c, double weight) {
-    const ConstraintBlocks blocks = NormalBlocks(c, weight, T_world[c.from], T_world[c.to]);
+    const ConstraintBlocks blocks =
+        NormalBlocks(c, weight, T_world[Index(c.from)], T_world[Index(c.to)]);
     const int f = c.from - 1, t = c.to - 1;
     if (f >= 0) {
       AddBlock(blocks.H_ff, f, f, &triplets);
@@ -167,7 +169,7 @@ void RunGraduated(const PoseGraph& graph, const BatchPoseGraphOptions& options,
   minimizer->Run({LoopLoss::kNone, options.loop_width_sq}, result);
   double worst_sq = 0.0;
   for (const PoseConstraint& c : graph.loops) {
-    worst_sq = std::max(worst_sq, SquaredError(c, result->T_world[c.from], result->T_world[c.to]));
+    worst_sq = std::max(worst_sq, SquaredError(c, result->T_world));
   }
   if (worst_sq <= options.loop_width_sq) return;
   // Yang et al. 2020, remark 5; beyond 1e3 the surrogate is the truncated loss to 0.1 %.
@@ -181,8 +183,8 @@ void CheckConnected(const PoseGraph& graph) {
   std::vector<std::vector<int>> neighbours(graph.T_world.size());
   for (const auto* constraints : {&graph.odometry, &graph.loops}) {
     for (const PoseConstraint& c : *constraints) {
-      neighbours[c.from].push_back(c.to);
-      neighbours[c.to].push_back(c.from);
+      neighbours[Index(c.from)].push_back(c.to);
+      neighbours[Index(c.to)].push_back(c.from);
     }
   }
   std::vector<char> is_reached(graph.T_world.size(), 0);
@@ -191,9 +193,10 @@ void CheckConnected(const PoseGraph& graph) {
   while (!stack.empty()) {
     const int pose = stack.back();
     stack.pop_back();
-    for (const int next : neighbours[pose]) {
-      if (!is_reached[next]) stack.push_back(next);
-      is_reached[next] = 1;
+    for (const int next : neighbours[Index(pose)]) {
+      char& is_next_reached = is_reached[Index(next)];
+      if (!is_next_reached) stack.push_back(next);
+      is_next_reached = 1;
     }
   }
   const auto missing = std::find(is_reached.begin(), is_reached.end(), 0);
@@ -220,7 +223,7 @@ BatchPoseGraphResult SolveConsistentLoops(const PoseGraph& graph,
     agreed.T_world.push_back(agreed.T_world.back() * c.T_from_to);
   }
   for (const int loop : ConsistentSet(chain, graph.loops, options.loop_width_sq)) {
-    agreed.loops.push_back(graph.loops[loop]);
+    agreed.loops.push_back(graph.loops[Index(loop)]);
   }
   BatchPoseGraphResult result;
   result.T_world = agreed.T_world;

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "tvl/base/index.h"
 #include "tvl/geometry/rigid3.h"
 #include "tvl/pose_graph/constraint_error.h"
 #include "tvl/pose_graph/elimination.h"
@@ -21,8 +22,8 @@ struct LinearTerm {
 };
 struct LinearGraph {
   std::vector<LinearTerm> terms;
-  std::vector<std::vector<int>> terms_of;  // of each variable: indices of terms
-  int held = 0;                            // this variable is known and never eliminated
+  std::vector<std::vector<size_t>> terms_of;  // of each variable: indices of terms
+  int held = 0;                               // this variable is known and never eliminated
 };
 
 class BayesTree {
@@ -38,9 +39,9 @@ class BayesTree {
   std::vector<int> BackSubstitute(double tolerance_rad, double tolerance_m);
 
   // The step of a variable: right perturbation, [rotation, translation].
-  const Vector6d& step(int variable) const { return steps_[variable]; }
+  const Vector6d& step(int variable) const { return steps_[Index(variable)]; }
   // For a variable whose linearisation point has been moved by its step.
-  void ClearStep(int variable) { steps_[variable].setZero(); }
+  void ClearStep(int variable) { steps_[Index(variable)].setZero(); }
 
   // J Sigma J^T for y = J_a x_a + J_b x_b of two variables (the held one has no uncertainty), by a
   // forward substitution along their ways to the root.

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 
 #include "tvl/base/check.h"
+#include "tvl/base/index.h"
 
 namespace tvl {
 
@@ -42,6 +43,10 @@ double SquaredError(const PoseConstraint& constraint, const Rigid3d& T_world_fro
                     const Rigid3d& T_world_to) {
   const Vector6d e = ConstraintError(constraint, T_world_from, T_world_to);
   return e.dot(constraint.information * e);
+}
+
+double SquaredError(const PoseConstraint& constraint, const std::vector<Rigid3d>& T_world) {
+  return SquaredError(constraint, T_world[Index(constraint.from)], T_world[Index(constraint.to)]);
 }
 
 void CheckConstraint(const PoseConstraint& constraint, int poses, const char* what) {

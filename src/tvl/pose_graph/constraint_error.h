@@ -3,6 +3,8 @@
 // e = Log(Z^-1 T_world_from^-1 T_world_to), weighted by its information.
 #pragma once
 
+#include <vector>
+
 #include "tvl/geometry/rigid3.h"
 #include "tvl/map/pose_graph.h"
 
@@ -32,6 +34,8 @@ ConstraintBlocks NormalBlocks(const PoseConstraint& constraint, double weight,
 // e^T information e.
 double SquaredError(const PoseConstraint& constraint, const Rigid3d& T_world_from,
                     const Rigid3d& T_world_to);
+// The same, given all poses of the graph.
+double SquaredError(const PoseConstraint& constraint, const std::vector<Rigid3d>& T_world);
 
 // Throws InputError naming the constraint (`what` and its two poses) if an index is outside
 // 0 .. poses-1, if it links a pose to itself, or if its information is not finite, symmetric and

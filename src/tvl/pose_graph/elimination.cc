@@ -4,6 +4,8 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 
+#include "tvl/base/index.h"
+
 namespace tvl {
 namespace {
 
@@ -24,9 +26,9 @@ std::vector<std::vector<int>> ColumnStructures(const VariableGroups& groups,
   std::vector<std::vector<int>> columns(position.size());
   ForEachGroup(groups, [&](const int* begin, const int* end) {
     int first = static_cast<int>(position.size());
-    for (const int* v = begin; v != end; ++v) first = std::min(first, position[*v]);
+    for (const int* v = begin; v != end; ++v) first = std::min(first, position[Index(*v)]);
     for (const int* v = begin; v != end; ++v) {
-      if (position[*v] != first) columns[first].push_back(position[*v]);
+      if (position[Index(*v)] != first) columns[Index(first)].push_back(position[Index(*v)]);
     }
   });
   for (auto& column : columns) {
@@ -34,7 +36,7 @@ std::vector<std::vector<int>> ColumnStructures(const VariableGroups& groups,
     column.erase(std::unique(column.begin(), column.end()), column.end());
     if (column.size() < 2) continue;
     // What is left of the column links its members: the first of them inherits the others.
-    auto& parent = columns[column.front()];
+    auto& parent = columns[Index(column.front())];
     parent.insert(parent.end(), column.begin() + 1, column.end());
   }
   return columns;
@@ -44,15 +46,15 @@ std::vector<std::vector<int>> ColumnStructures(const VariableGroups& groups,
 
 std::vector<int> EliminationOrder(int size, const VariableGroups& groups,
                                   const std::vector<int>& last) {
-  std::vector<char> is_last(size, 0);
-  for (const int v : last) is_last[v] = 1;
+  std::vector<char> is_last(Index(size), 0);
+  for (const int v : last) is_last[Index(v)] = 1;
   std::vector<Eigen::Triplet<double, int>> links;
   // Eigen sorts out variables without an entry on the diagonal.
   for (int v = 0; v < size; ++v) links.emplace_back(v, v, 1.0);
   ForEachGroup(groups, [&](const int* begin, const int* end) {
     for (const int* a = begin; a != end; ++a) {
       for (const int* b = begin; b != a; ++b) {
-        if (!is_last[*a] && !is_last[*b]) links.emplace_back(*a, *b, 1.0);
+        if (!is_last[Index(*a)] && !is_last[Index(*b)]) links.emplace_back(*a, *b, 1.0);
       }
     }
   });
@@ -61,9 +63,9 @@ std::vector<int> EliminationOrder(int size, const VariableGroups& groups,
   Eigen::AMDOrdering<int>::PermutationType permutation;
   Eigen::AMDOrdering<int>()(pattern, permutation);
   std::vector<int> order;
-  order.reserve(size);
-  for (int k = 0; k < size; ++k) {
-    if (!is_last[permutation.indices()[k]]) order.push_back(permutation.indices()[k]);
+  order.reserve(Index(size));
+  for (const int v : permutation.indices()) {
+    if (!is_last[Index(v)]) order.push_back(v);
   }
   order.insert(order.end(), last.begin(), last.end());
   return order;
@@ -71,24 +73,23 @@ std::vector<int> EliminationOrder(int size, const VariableGroups& groups,
 
 std::vector<SymbolicClique> EliminateSymbolically(const VariableGroups& groups,
                                                   const std::vector<int>& order, int slack) {
-  const int size = static_cast<int>(order.size());
-  std::vector<int> position(size), clique_at(size);
-  for (int k = 0; k < size; ++k) position[order[k]] = k;
+  std::vector<int> position(order.size()), clique_at(order.size());
+  for (size_t k = 0; k < order.size(); ++k) position[Index(order[k])] = static_cast<int>(k);
   const std::vector<std::vector<int>> columns = ColumnStructures(groups, position);
   std::vector<SymbolicClique> cliques;
-  for (int k = size - 1; k >= 0; --k) {
+  for (size_t k = order.size(); k-- > 0;) {
     const std::vector<int>& column = columns[k];
-    const int parent = column.empty() ? -1 : clique_at[column.front()];
-    if (parent >= 0 && cliques[parent].variables.size() <= column.size() + slack) {
+    const int parent = column.empty() ? -1 : clique_at[Index(column.front())];
+    if (parent >= 0 && cliques[Index(parent)].variables.size() <= column.size() + Index(slack)) {
       // Appended here, turned round below: frontals come first to last.
-      cliques[parent].variables.push_back(order[k]);
-      ++cliques[parent].frontals;
+      cliques[Index(parent)].variables.push_back(order[k]);
+      ++cliques[Index(parent)].frontals;
       clique_at[k] = parent;
       continue;
     }
     SymbolicClique clique;
     for (auto at = column.rbegin(); at != column.rend(); ++at) {
-      clique.variables.push_back(order[*at]);
+      clique.variables.push_back(order[Index(*at)]);
     }
     clique.variables.push_back(order[k]);
     clique.frontals = 1;

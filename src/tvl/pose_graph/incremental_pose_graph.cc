@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "tvl/base/check.h"
+#include "tvl/base/index.h"
 #include "tvl/pose_graph/constraint_error.h"
 
 namespace tvl {
@@ -47,7 +48,7 @@ PoseGraphUpdate IncrementalPoseGraph::AddKeyframe(const PoseConstraint& odometry
   TVL_CHECK(!estimates_.empty()) << "AddFirst comes first";
   TVL_CHECK(odometry.to == size()) << "the next pose is " << size() << ", not " << odometry.to;
   CheckConstraint(odometry, size() + 1, "odometry");
-  const Rigid3d T_world = estimates_[odometry.from] * odometry.T_from_to;
+  const Rigid3d T_world = estimates_[Index(odometry.from)] * odometry.T_from_to;
   linearized_at_.push_back(T_world);
   estimates_.push_back(T_world);
   graph_.terms_of.emplace_back();
@@ -85,7 +86,7 @@ PoseGraphUpdate IncrementalPoseGraph::Adopt(const BatchPoseGraphResult& batch) {
   TVL_CHECK(batch.T_world.size() == estimates_.size()) << "the batch solution has other poses";
   linearized_at_ = estimates_ = batch.T_world;
   size_t next = 0;
-  for (const int term : loop_terms_) {
+  for (const size_t term : loop_terms_) {
     if (is_removed_[term]) continue;
     TVL_CHECK(next < batch.loop_weights.size()) << "the batch solution has fewer loops";
     const double weight = batch.loop_weights[next++];
@@ -95,7 +96,7 @@ PoseGraphUpdate IncrementalPoseGraph::Adopt(const BatchPoseGraphResult& batch) {
   std::vector<int> all(estimates_.size() - 1);
   std::iota(all.begin(), all.end(), 1);
   for (const int v : all) tree_.ClearStep(v);
-  for (size_t term = 0; term < constraints_.size(); ++term) LinearizeTerm(static_cast<int>(term));
+  for (size_t term = 0; term < constraints_.size(); ++term) LinearizeTerm(term);
   PoseGraphUpdate update = Solve(all);
   update.relinearized += static_cast<int>(all.size());
   return update;
@@ -105,12 +106,12 @@ PoseGraphUpdate IncrementalPoseGraph::RemoveLoops(const std::vector<int>& loops)
   std::vector<int> touched;
   for (const int loop : loops) {
     TVL_CHECK(loop >= 0 && loop < this->loops()) << "there is no loop " << loop;
-    const int term = loop_terms_[loop];
+    const size_t term = loop_terms_[Index(loop)];
     if (is_removed_[term]) continue;
     is_removed_[term] = 1;
     weights_[term] = 0.0;
     for (const int v : {constraints_[term].from, constraints_[term].to}) {
-      auto& terms = graph_.terms_of[v];
+      auto& terms = graph_.terms_of[Index(v)];
       terms.erase(std::find(terms.begin(), terms.end(), term));
       touched.push_back(v);
     }
@@ -118,23 +119,23 @@ PoseGraphUpdate IncrementalPoseGraph::RemoveLoops(const std::vector<int>& loops)
   return Solve(std::move(touched));
 }
 
-int IncrementalPoseGraph::AddTerm(const PoseConstraint& constraint, double weight) {
-  const int term = static_cast<int>(constraints_.size());
+size_t IncrementalPoseGraph::AddTerm(const PoseConstraint& constraint, double weight) {
+  const size_t term = constraints_.size();
   constraints_.push_back(constraint);
   weights_.push_back(weight);
   is_loop_.push_back(0);
   is_removed_.push_back(0);
   graph_.terms.push_back({constraint.from, constraint.to, {}});
-  graph_.terms_of[constraint.from].push_back(term);
-  graph_.terms_of[constraint.to].push_back(term);
+  graph_.terms_of[Index(constraint.from)].push_back(term);
+  graph_.terms_of[Index(constraint.to)].push_back(term);
   LinearizeTerm(term);
   return term;
 }
 
-void IncrementalPoseGraph::LinearizeTerm(int term) {
+void IncrementalPoseGraph::LinearizeTerm(size_t term) {
   const PoseConstraint& c = constraints_[term];
   graph_.terms[term].blocks =
-      NormalBlocks(c, weights_[term], linearized_at_[c.from], linearized_at_[c.to]);
+      NormalBlocks(c, weights_[term], linearized_at_[Index(c.from)], linearized_at_[Index(c.to)]);
 }
 
 PoseGraphUpdate IncrementalPoseGraph::Solve(std::vector<int> touched) {
@@ -145,7 +146,7 @@ PoseGraphUpdate IncrementalPoseGraph::Solve(std::vector<int> touched) {
     const std::vector<int> moved =
         tree_.BackSubstitute(options_.settle_rotation_rad, options_.settle_translation_m);
     for (const int v : moved) {
-      estimates_[v] = linearized_at_[v] * Rigid3d::Exp(tree_.step(v));
+      estimates_[Index(v)] = linearized_at_[Index(v)] * Rigid3d::Exp(tree_.step(v));
     }
     update.moved = std::max(update.moved, static_cast<int>(moved.size()));
     if (update.iterations + 1 == options_.max_iterations) continue;
@@ -153,9 +154,10 @@ PoseGraphUpdate IncrementalPoseGraph::Solve(std::vector<int> touched) {
     std::vector<int> bent = Relinearize();
     update.relinearized += static_cast<int>(bent.size());
     for (const int v : bent) {
-      for (const int t : graph_.terms_of[v]) {
+      for (const size_t t : graph_.terms_of[Index(v)]) {
+        const PoseConstraint& c = constraints_[t];
         LinearizeTerm(t);
-        touched.insert(touched.end(), {constraints_[t].from, constraints_[t].to});
+        touched.insert(touched.end(), {c.from, c.to});
       }
     }
   }
@@ -168,7 +170,7 @@ std::vector<int> IncrementalPoseGraph::Relinearize() {
     const Vector6d& step = tree_.step(v);
     if (step.head<3>().norm() > options_.relinearize_rotation_rad ||
         step.tail<3>().norm() > options_.relinearize_translation_m) {
-      linearized_at_[v] = estimates_[v];
+      linearized_at_[Index(v)] = estimates_[Index(v)];
       tree_.ClearStep(v);
       bent.push_back(v);
     }
@@ -179,9 +181,9 @@ std::vector<int> IncrementalPoseGraph::Relinearize() {
 std::vector<int> IncrementalPoseGraph::ReweighLoops() {
   std::vector<int> touched;
   for (int loop = 0; loop < loops(); ++loop) {
-    const int term = loop_terms_[loop];
+    const size_t term = loop_terms_[Index(loop)];
     if (is_removed_[term]) continue;
-    const double e_sq = LoopErrorSq(loop);
+    const double e_sq = SquaredError(constraints_[term], estimates_);
     // A loop in doubt stays out until the graph agrees with it: half a weight would pull it there.
     if (weights_[term] == 0.0 && e_sq > options_.loop_width_sq) continue;
     const double weight = EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).weight;
@@ -194,15 +196,10 @@ std::vector<int> IncrementalPoseGraph::ReweighLoops() {
   return touched;
 }
 
-double IncrementalPoseGraph::LoopErrorSq(int loop) const {
-  const PoseConstraint& c = constraints_[loop_terms_[loop]];
-  return SquaredError(c, estimates_[c.from], estimates_[c.to]);
-}
-
 std::vector<double> IncrementalPoseGraph::LoopWeights() const {
   std::vector<double> weights;
   weights.reserve(loop_terms_.size());
-  for (const int term : loop_terms_) weights.push_back(weights_[term]);
+  for (const size_t term : loop_terms_) weights.push_back(weights_[term]);
   return weights;
 }
 
@@ -210,8 +207,7 @@ double IncrementalPoseGraph::Cost() const {
   double sum = 0.0;
   for (size_t term = 0; term < constraints_.size(); ++term) {
     if (is_removed_[term]) continue;
-    const PoseConstraint& c = constraints_[term];
-    const double e_sq = SquaredError(c, estimates_[c.from], estimates_[c.to]);
+    const double e_sq = SquaredError(constraints_[term], estimates_);
     sum += is_loop_[term] ? EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).rho
                           : e_sq;
   }
@@ -230,7 +226,8 @@ PoseGraph IncrementalPoseGraph::Graph() const {
 
 double IncrementalPoseGraph::InnovationSq(const PoseConstraint& loop) const {
   CheckConstraint(loop, size(), "loop");
-  const Vector6d e = ConstraintError(loop, estimates_[loop.from], estimates_[loop.to]);
+  const Vector6d e =
+      ConstraintError(loop, estimates_[Index(loop.from)], estimates_[Index(loop.to)]);
   const Matrix6d covariance =
       RelativeCovariance(loop.from, loop.to) + loop.information.llt().solve(Matrix6d::Identity());
   return e.dot(covariance.llt().solve(e));
@@ -239,7 +236,7 @@ double IncrementalPoseGraph::InnovationSq(const PoseConstraint& loop) const {
 Matrix6d IncrementalPoseGraph::RelativeCovariance(int i, int j) const {
   TVL_CHECK(i >= 0 && i < size() && j >= 0 && j < size()) << "poses " << i << " and " << j;
   // T_ij Exp(x_j) with x_i carried to the right: Exp(-x_i) T_ij = T_ij Exp(-Ad(T_ij^-1) x_i).
-  const Rigid3d T_j_i = linearized_at_[j].Inverse() * linearized_at_[i];
+  const Rigid3d T_j_i = linearized_at_[Index(j)].Inverse() * linearized_at_[Index(i)];
   return tree_.Covariance(i, -T_j_i.Adjoint(), j, Matrix6d::Identity());
 }
 

@@ -99,17 +99,16 @@ class IncrementalPoseGraph {
   Matrix6d RelativeCovariance(int i, int j) const;
 
  private:
-  int AddTerm(const PoseConstraint& constraint, double weight);
-  void LinearizeTerm(int term);
+  size_t AddTerm(const PoseConstraint& constraint, double weight);
+  void LinearizeTerm(size_t term);
   PoseGraphUpdate Solve(std::vector<int> touched);
   std::vector<int> Relinearize();
   std::vector<int> ReweighLoops();
-  double LoopErrorSq(int loop) const;
 
   IncrementalPoseGraphOptions options_;
   std::vector<PoseConstraint> constraints_;  // of each term of graph_
   std::vector<double> weights_;
-  std::vector<int> loop_terms_;             // of each loop: its term
+  std::vector<size_t> loop_terms_;          // of each loop: its term
   std::vector<char> is_loop_, is_removed_;  // of each term
   std::vector<Rigid3d> linearized_at_, estimates_;
   LinearGraph graph_;

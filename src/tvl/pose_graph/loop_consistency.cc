@@ -36,7 +36,7 @@ class AgreementGraph {
     std::vector<int> order(degree_.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return degree_[a] > degree_[b]; });
+                     [&](int a, int b) { return degree(a) > degree(b); });
     return order;
   }
 
@@ -44,14 +44,15 @@ class AgreementGraph {
   std::vector<int> GrowFrom(int start, const std::vector<int>& order) const {
     std::vector<int> set{start};
     for (const int loop : order) {
+      const std::vector<char>& agrees_with = agrees_[Index(loop)];
       const bool agrees =
-          std::all_of(set.begin(), set.end(), [&](int other) { return agrees_[loop][other]; });
+          std::all_of(set.begin(), set.end(), [&](int other) { return agrees_with[Index(other)]; });
       if (loop != start && agrees) set.push_back(loop);
     }
     return set;
   }
 
-  int degree(int loop) const { return degree_[loop]; }
+  int degree(int loop) const { return degree_[Index(loop)]; }
 
  private:
   std::vector<std::vector<char>> agrees_;
@@ -74,12 +75,12 @@ void OdometryChain::Add(const PoseConstraint& odometry) {
 OdometryChain::Relative OdometryChain::Between(int i, int j) const {
   TVL_CHECK(i >= 0 && i < size() && j >= 0 && j < size())
       << "odometry chain: poses " << i << ", " << j << " of " << size();
-  return {T_first_[i].Inverse() * T_first_[j], Carried(Drift(i, j), T_first_[j].Inverse())};
+  return {T_first(i).Inverse() * T_first(j), Carried(Drift(i, j), T_first(j).Inverse())};
 }
 
 Matrix6d OdometryChain::Drift(int i, int j) const {
   if (i == j) return Matrix6d::Zero();
-  return covariance_[std::max(i, j)] - covariance_[std::min(i, j)];
+  return covariance_[Index(std::max(i, j))] - covariance_[Index(std::min(i, j))];
 }
 
 double CycleErrorSq(const OdometryChain& odometry, const PoseConstraint& a,

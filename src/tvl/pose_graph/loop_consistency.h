@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "tvl/base/index.h"
 #include "tvl/map/pose_graph.h"
 
 namespace tvl {
@@ -23,7 +24,7 @@ class OdometryChain {
   };
   // In either direction.
   Relative Between(int i, int j) const;
-  const Rigid3d& T_first(int i) const { return T_first_[i]; }
+  const Rigid3d& T_first(int i) const { return T_first_[Index(i)]; }
   // Covariance of what the odometry drifts from i to j or back, as a left perturbation in the frame
   // of the first pose.
   Matrix6d Drift(int i, int j) const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tvl/base/check.h"
+#include "tvl/base/index.h"
 #include "tvl/base/rng.h"
 #include "tvl/base/units.h"
 
@@ -57,7 +58,7 @@ class Drive {
       const double arc_m = turn == 0 ? 2.0 * kTurnRadius_m : 0.5 * kPi * kTurnRadius_m;
       append(turn * 0.5 * kPi / kTurnSteps, arc_m / kTurnSteps, kTurnSteps);
     }
-    poses.resize(options_.poses);
+    poses.resize(Index(options_.poses));
     for (Rigid3d& pose : poses) {  // hills, the same on every pass
       Eigen::Vector3d t = pose.t();
       t.z() = 3.0 * std::sin(t.x() / 150.0) * std::cos(t.y() / 130.0);
@@ -93,7 +94,7 @@ std::vector<std::pair<int, int>> Revisits(const std::vector<Rigid3d>& truth) {
     int closest = -1;
     double closest_sq = kRevisit_m * kRevisit_m;
     for (int i = 0; i + kMinGap < j; ++i) {
-      const double d_sq = (truth[i].t() - truth[j].t()).squaredNorm();
+      const double d_sq = (truth[Index(i)].t() - truth[Index(j)].t()).squaredNorm();
       if (d_sq < closest_sq) {
         closest = i;
         closest_sq = d_sq;
@@ -122,7 +123,7 @@ std::vector<LabelledLoop> TrueLoops(const SyntheticGraphOptions& options,
     const Rigid3d noise =
         Rigid3d::Exp(Noise(options.loop_rotation_rad, options.loop_translation_m, rng));
     const Matrix6d information = Information(options.loop_rotation_rad, options.loop_translation_m);
-    loops.push_back({{i, j, truth[i].Inverse() * truth[j] * noise, information}, 0});
+    loops.push_back({{i, j, truth[Index(i)].Inverse() * truth[Index(j)] * noise, information}, 0});
   }
   return loops;
 }
@@ -136,7 +137,9 @@ std::vector<LabelledLoop> FalseLoops(const SyntheticGraphOptions& options,
   const int64_t poses = options.poses - options.cluster_size;
   while (static_cast<int>(loops.size()) < options.false_loops) {
     const int i = static_cast<int>(rng->Integer(poses)), j = static_cast<int>(rng->Integer(poses));
-    if (j - i < kMinGap || (truth[i].t() - truth[j].t()).norm() < kElsewhere_m) continue;
+    const Rigid3d& T_i = truth[Index(i)];
+    const Rigid3d& T_j = truth[Index(j)];
+    if (j - i < kMinGap || (T_i.t() - T_j.t()).norm() < kElsewhere_m) continue;
     const int left = clustered - static_cast<int>(loops.size());
     const int size = left > 0 ? std::min(left, options.cluster_size) : 1;
     const Rigid3d T_i_j(ExpSo3({0.0, 0.0, rng->Uniform(-kPi, kPi)}),
@@ -144,8 +147,8 @@ std::vector<LabelledLoop> FalseLoops(const SyntheticGraphOptions& options,
     for (int k = 0; k < size; ++k) {
       const Rigid3d noise =
           Rigid3d::Exp(Noise(options.loop_rotation_rad, options.loop_translation_m, rng));
-      const Rigid3d T_ik_i = truth[i + k].Inverse() * truth[i];
-      const Rigid3d T_j_jk = truth[j].Inverse() * truth[j + k];
+      const Rigid3d T_ik_i = truth[Index(i + k)].Inverse() * T_i;
+      const Rigid3d T_j_jk = T_j.Inverse() * truth[Index(j + k)];
       loops.push_back({{i + k, j + k, T_ik_i * T_i_j * T_j_jk * noise, information}, 1});
     }
   }
@@ -181,7 +184,7 @@ SyntheticGraph MakeSyntheticGraph(const SyntheticGraphOptions& options) {
   for (int k = 1; k < options.poses; ++k) {
     const Rigid3d noise = Rigid3d::Exp(
         Noise(options.odometry_rotation_rad, options.odometry_translation_m, &odometry_rng));
-    const Rigid3d Z = result.truth[k - 1].Inverse() * result.truth[k] * noise;
+    const Rigid3d Z = result.truth[Index(k - 1)].Inverse() * result.truth[Index(k)] * noise;
     result.graph.odometry.push_back({k - 1, k, Z, information});
     result.graph.T_world.push_back(result.graph.T_world.back() * Z);
   }
