@@ -72,6 +72,17 @@ TEST(LoopVerification, RefusesAnotherPlace) {
   EXPECT_THAT(verdict.reason, testing::HasSubstr("overlap"));
 }
 
+TEST(LoopVerification, WhatFitsMustOutweighWhatContradicts) {
+  const Passes passes = TwoPasses(RandomHouses(1), RandomHouses(1), false);
+  const Rigid3d T_true = passes.Truth_T_history_current(kHistory, kCurrent);
+  LoopVerificationOptions options;
+  options.min_fit = 1.0;  // not even the true place fits that well
+  const LoopVerdict verdict = LoopVerifier(options).Verify(
+      Proposal(LoopGuess::kPose, T_true), {passes.T_odom_lidar, passes.Source(), Rigid3d(), 10.0},
+      Executor(1));
+  EXPECT_EQ(verdict.status, LoopStatus::kContradicted) << verdict.reason;
+}
+
 TEST(LoopVerification, RefusesATunnelWhoseAxisIsNotHeld) {
   const Passes passes = TwoPasses(synthetic::Tunnel(), synthetic::Tunnel(), false);
   const LoopVerdict verdict =
