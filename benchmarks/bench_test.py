@@ -1,5 +1,6 @@
 """Tests of the benchmark metrics on worlds with known answers: python bench_test.py."""
 
+import dataclasses
 import pathlib
 import tempfile
 import unittest
@@ -223,6 +224,17 @@ class Rows(unittest.TestCase):
                          closures.Score(7, 1, 0.5, 0.25, 9, 6))
         self.assertEqual(compare_loops.our_end_s(self.REPORT), 0.75)
         self.assertIsNone(compare_loops.our_loops({}))
+
+    def test_errors_of_no_loops_are_not_zero(self):
+        truth = dict(self.REPORT["loops"]["against_truth"], accepted=0, error_p95_m=0.0)
+        score = compare_loops.our_loops({"loops": {"against_truth": truth}})
+        self.assertTrue(np.isnan(score.error_p95_m))
+
+    def test_what_was_not_measured_is_null(self):
+        row = compare_loops.Row("x", 0.1, 0.2, np.array([1.0]))
+        out = compare_loops.as_json(dataclasses.asdict(row))
+        self.assertEqual(out["ms"], [1.0])
+        self.assertIsNone(out["end_s"])
 
     def test_a_line_has_the_columns_of_the_header(self):
         full = compare_loops.Row("x", 0.1, 0.2, np.array([1.0, 2.0, 30.0]), 4.0, 0.5, 600.0, 200.0,

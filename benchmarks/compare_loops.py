@@ -58,9 +58,9 @@ def our_loops(report):
     truth = report.get("loops", {}).get("against_truth")
     if truth is None:
         return None
-    return closures.Score(truth["accepted"], truth["false_accepted"], truth["error_p95_m"],
-                          truth["error_p95_deg"], truth["revisit_keyframes"],
-                          truth["closed_keyframes"])
+    p95 = [truth[k] if truth["accepted"] > 0 else np.nan for k in ("error_p95_m", "error_p95_deg")]
+    return closures.Score(truth["accepted"], truth["false_accepted"], *p95,
+                          truth["revisit_keyframes"], truth["closed_keyframes"])
 
 
 def our_end_s(report):
@@ -122,10 +122,13 @@ def text(row):
             f"{number(row.cpu_ms, 7, 1)} {number(row.end_s, 6, 2)} {memory + loaded:>12}")
 
 
-def as_json(row):
-    out = dataclasses.asdict(row)
-    out["ms"] = None if row.ms is None else row.ms.tolist()
-    return out
+def as_json(value):
+    """Rows as JSON has them; what was not measured is null."""
+    if isinstance(value, dict):
+        return {key: as_json(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return None if isinstance(value, float) and np.isnan(value) else value
 
 
 def compare(args, spec):
@@ -143,7 +146,7 @@ def compare(args, spec):
             print(text(row), flush=True)
             rows.append(row)
     results = args.out / f"{name}_{args.threads}.json"
-    results.write_text(json.dumps([as_json(row) for row in rows], indent=1) + "\n")
+    results.write_text(json.dumps([as_json(dataclasses.asdict(row)) for row in rows], indent=1) + "\n")
     if simulated is not None and not args.keep:
         shutil.rmtree(simulated)
 
