@@ -5,6 +5,7 @@
 #include <map>
 
 #include "tvl/base/check.h"
+#include "tvl/base/index.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/loop/vocabulary_file.h"
 #include "tvl/slam/loop_support.h"
@@ -22,6 +23,11 @@ std::shared_ptr<const Vocabulary> LoadVocabulary(const std::string& path) {
 
 Matrix6d InformationOf(const Matrix6d& covariance) {
   return covariance.ldlt().solve(Matrix6d::Identity());
+}
+
+PoseConstraint ConstraintOf(const LoopRecord& record) {
+  return {record.proposal.history, record.proposal.current, record.verdict.T_history_current,
+          InformationOf(record.verdict.covariance)};
 }
 
 }  // namespace
@@ -65,8 +71,9 @@ class LoopCloser::Impl {
              LoopTimes* times);
   // Puts the loops accepted since the last call into the graph; false if there are none.
   bool Close(LoopTimes* times);
-  void LookAgain();
-  void Polish();
+  // True if poses changed.
+  bool LookAgain();
+  bool Polish();
   std::vector<int> ConnectedTo(int keyframe) const;
 
   std::vector<double> LinkedPathOf(int keyframe) const {
@@ -81,15 +88,16 @@ class LoopCloser::Impl {
     PoseConstraint loop;
     size_t record = 0;
   };
-  size_t Index(int keyframe) const { return static_cast<size_t>(keyframe); }
   double DistanceBetween(int a, int b) const {
     return (poses()[Index(a)].t() - poses()[Index(b)].t()).norm();
   }
   LoopRecord Verify(const LoopProposal& proposal, double linked_path_m);
   void Weigh(size_t record);
-  // Of the keyframes round this one that were compared with old ones: the share that could tell one
-  // place from another.
-  double ShareThatTold(int current) const;
+  // Those waiting that support the loop.
+  std::vector<Pending> SupportOf(const PoseConstraint& loop) const;
+  // Of the keyframes round the loop's current one that were compared with old ones: the share that
+  // could tell one place from another.
+  double ShareThatTold(const PoseConstraint& loop) const;
   void Accept(const Pending& pending);
   LoopRecord Unjudged(const LoopProposal& proposal, double linked_path_m) const;
   // One of the records from `first` on leads to the same place.
@@ -241,48 +249,65 @@ void LoopCloser::Impl::Judge(const std::vector<LoopProposal>& proposals,
 
 void LoopCloser::Impl::Weigh(size_t index) {
   LoopRecord& record = report.records[index];
-  const LoopProposal& proposal = record.proposal;
   const LoopConsistencyOptions& options = options_.consistency;
-  const PoseConstraint loop{proposal.history, proposal.current, record.verdict.T_history_current,
-                            InformationOf(record.verdict.covariance)};
+  const PoseConstraint loop = ConstraintOf(record);
   record.chi2 =
       GraphChi2(loop, record.T_history_current_graph, graph_.RelativeCovariance(loop.from, loop.to),
                 record.linked_path_m, options);
-  if (!(record.chi2 <= options.max_chi2)) {
-    record.outcome = LoopOutcome::kInconsistent;
-    record.reason = "the graph contradicts it";
-    return;
-  }
-  if (record.linked_path_m <= options.linked_path_m) {
+  record.innovation_sq = graph_.InnovationSq(loop);
+  const bool is_contradicted = !(record.chi2 <= options.max_chi2);
+  if (!is_contradicted && record.linked_path_m <= options.linked_path_m) {
     Accept({loop, index});
     return;
   }
-  std::vector<PoseConstraint> others;
-  for (const Pending& pending : pending_) others.push_back(pending.loop);
-  const std::vector<size_t> support = FindSupport(loop, others, odometry_, track_.path_m, options);
+  const std::vector<Pending> support = SupportOf(loop);
+  const std::string count = std::to_string(support.size()) + " other loops agree with it";
+  record.reason = is_contradicted ? "the graph contradicts it, and " + count : count;
+  if (is_contradicted) record.outcome = LoopOutcome::kInconsistent;
   pending_.push_back({loop, index});
-  record.reason = std::to_string(support.size()) + " other loops agree with it";
-  if (static_cast<int>(support.size()) < options.min_support) return;
-  if (ShareThatTold(loop.to) < options.min_support_share) {
+  if (!(record.chi2 <= options.max_chi2_of_rows)) return;
+  const int needed = is_contradicted ? options.min_support_of_rows : options.min_support;
+  if (static_cast<int>(support.size()) < needed) return;
+  if (ShareThatTold(loop) < options.min_support_share) {
     record.reason = "most comparisons hereabouts were ambiguous";
     return;
   }
-  Accept({loop, index});
-  for (const size_t i : support) Accept(pending_[i]);
+  Accept(pending_.back());
+  for (const Pending& other : support) Accept(other);
 }
 
-double LoopCloser::Impl::ShareThatTold(int current) const {
-  const double path_m = track_.path_m[Index(current)];
+std::vector<LoopCloser::Impl::Pending> LoopCloser::Impl::SupportOf(
+    const PoseConstraint& loop) const {
+  std::vector<Pending> near;
+  std::vector<PoseConstraint> others;
+  for (const Pending& pending : pending_) {
+    const double apart_m =
+        std::abs(track_.path_m[Index(pending.loop.to)] - track_.path_m[Index(loop.to)]);
+    if (apart_m > options_.consistency.max_support_path_m) continue;
+    near.push_back(pending);
+    others.push_back(pending.loop);
+  }
+  std::vector<Pending> support;
+  for (const size_t i : FindSupport(loop, others, odometry_, track_.path_m, options_.consistency)) {
+    support.push_back(near[i]);
+  }
+  return support;
+}
+
+double LoopCloser::Impl::ShareThatTold(const PoseConstraint& loop) const {
+  const double path_m = track_.path_m[Index(loop.to)];
   std::map<int, bool> told;  // by current keyframe
   for (const LoopRecord& record : report.records) {
     const int keyframe = record.proposal.current;
     const double apart_m = std::abs(track_.path_m[Index(keyframe)] - path_m);
     if (apart_m > options_.consistency.max_doubt_path_m) continue;
     const LoopStatus status = record.verdict.status;
-    const bool is_inconsistent = record.outcome == LoopOutcome::kInconsistent;
-    if (record.verdict.accepted() && !is_inconsistent) told[keyframe] = true;
-    if (is_inconsistent || status == LoopStatus::kAmbiguous ||
-        status == LoopStatus::kContradicted) {
+    // What the graph contradicts told of the place only if this loop says the same.
+    const bool agrees =
+        record.outcome != LoopOutcome::kInconsistent ||
+        CycleErrorSq(odometry_, loop, ConstraintOf(record)) <= options_.consistency.max_chi2;
+    if (record.verdict.accepted() && agrees) told[keyframe] = true;
+    if (!agrees || status == LoopStatus::kAmbiguous || status == LoopStatus::kContradicted) {
       told.emplace(keyframe, false);
     }
   }
@@ -350,10 +375,11 @@ bool LoopCloser::Impl::IsOldNews(const LoopProposal& proposal) const {
   });
 }
 
-void LoopCloser::Impl::LookAgain() {
+bool LoopCloser::Impl::LookAgain() {
   const Stopwatch watch;
   LoopTimes times;
   const size_t before = report.records.size();
+  bool has_closed = false;
   for (int k = 0; k <= last() && options_.use_vicinity; ++k) {
     if (has_loop_[Index(k)] != 0) continue;
     const std::vector<double> linked_m = LinkedPathOf(k);
@@ -363,17 +389,27 @@ void LoopCloser::Impl::LookAgain() {
                                    [this](const LoopProposal& p) { return IsOldNews(p); }),
                     proposals.end());
     Judge(proposals, linked_m, &times);
-    Close(&times);
+    has_closed = Close(&times) || has_closed;
   }
   for (size_t i = before; i < report.records.size(); ++i) report.records[i].is_second_look = true;
   report.second_look_ms = watch.ElapsedMs();
+  return has_closed;
 }
 
-void LoopCloser::Impl::Polish() {
+bool LoopCloser::Impl::Polish() {
   const Stopwatch watch;
   report.graph = graph_.Graph();
-  if (report.graph.loops.empty()) return;  // the odometry contradicts nothing
-  const BatchPoseGraphResult result = OptimizeBatch(report.graph, options_.polish);
+  if (report.graph.loops.empty()) return false;  // the odometry contradicts nothing
+  std::vector<double> innovations_sq;
+  for (const size_t i : loop_records_) {
+    const LoopRecord& record = report.records[i];
+    if (record.linked_path_m > options_.consistency.linked_path_m) {
+      innovations_sq.push_back(record.innovation_sq);
+    }
+  }
+  report.odometry_variance_factor = OdometryVarianceFactor(std::move(innovations_sq));
+  const BatchPoseGraphResult result = OptimizeBatch(
+      WithOdometryVariance(report.graph, report.odometry_variance_factor), options_.polish);
   report.graph.T_world = result.T_world;
   track_.T_world_lidar = result.T_world;
   for (size_t i = 0; i < loop_records_.size(); ++i) {
@@ -384,6 +420,7 @@ void LoopCloser::Impl::Polish() {
     record.reason = "the other loops contradict it";
   }
   report.polish_ms = watch.ElapsedMs();
+  return true;
 }
 
 LoopCloser::LoopCloser(const LoopOptions& options, const Calibration& calibration,
@@ -406,12 +443,17 @@ LoopUpdate LoopCloser::Process(const Keyframe& keyframe, const KeyframePayload& 
   return update;
 }
 
-LoopUpdate LoopCloser::Finish() {
-  impl_->LookAgain();
-  impl_->Polish();
+LoopUpdate LoopCloser::LookAgain() {
   LoopUpdate update;
+  if (impl_->LookAgain()) update.T_world_lidar = impl_->poses();
   update.last = impl_->last();
-  if (!impl_->report.graph.loops.empty()) update.T_world_lidar = impl_->poses();
+  return update;
+}
+
+LoopUpdate LoopCloser::Polish() {
+  LoopUpdate update;
+  if (impl_->Polish()) update.T_world_lidar = impl_->poses();
+  update.last = impl_->last();
   return update;
 }
 

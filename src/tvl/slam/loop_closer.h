@@ -21,8 +21,10 @@ class LoopCloser {
   // Keyframes in the order they were made; the store must have their payloads from the next one on.
   // Their T_world_lidar is not read.
   LoopUpdate Process(const Keyframe& keyframe, const KeyframePayload& payload);
-  // At the end of the data: looks once more at all keyframes without a loop, and polishes.
-  LoopUpdate Finish();
+  // At the end of the data: looks once more at all keyframes without a loop ...
+  LoopUpdate LookAgain();
+  // ... and solves the whole graph as one, dropping loops that the others contradict.
+  LoopUpdate Polish();
 
   const LoopReport& report() const;
 

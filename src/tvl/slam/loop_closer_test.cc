@@ -15,12 +15,13 @@ using synthetic::RandomHouses;
 constexpr int kForth = 61, kBack = 56;
 
 // Forth along a street and back on its other side, a keyframe a metre, half a second each, while
-// the odometry turns and climbs.
+// the odometry turns and climbs. claimed_variance: factor on the covariances it states.
 class ForthAndBack {
  public:
   ForthAndBack(const synthetic::World& first, const synthetic::World& second,
-               const Rigid3d& drift_per_m)
-      : store_(std::make_shared<KeyframeStore>(KeyframeStoreOptions())) {
+               const Rigid3d& drift_per_m, double claimed_variance = 1.0)
+      : store_(std::make_shared<KeyframeStore>(KeyframeStoreOptions())),
+        claimed_variance_(claimed_variance) {
     for (int k = 0; k < kForth; ++k) Add(first, OnStreet(k, 1.0, 0.0), drift_per_m);
     for (int k = 0; k < kBack; ++k) Add(second, OnStreet(60.0 - k, -1.0, kPi), drift_per_m);
   }
@@ -29,7 +30,9 @@ class ForthAndBack {
     for (const Keyframe& keyframe : keyframes_) {
       closer->Process(keyframe, *store_->Get(keyframe.id.index));
     }
-    return closer->Finish();
+    const LoopUpdate second_look = closer->LookAgain();
+    const LoopUpdate polished = closer->Polish();
+    return polished.T_world_lidar.empty() ? second_look : polished;
   }
   LoopCloser MakeCloser(const LoopOptions& options = {}) const {
     return {options, synthetic::CameraAndLidar(), store_};
@@ -63,6 +66,7 @@ class ForthAndBack {
       keyframe.path_m = keyframes_.back().path_m + keyframe.T_prev_cur.t().norm();
       keyframe.T_odom_lidar = keyframes_.back().T_odom_lidar * keyframe.T_prev_cur;
       keyframe.covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-4, 1e-4, 1e-4;
+      keyframe.covariance *= claimed_variance_;
     }
     store_->Put(keyframe.id.index, payload);
     keyframes_.push_back(keyframe);
@@ -70,6 +74,7 @@ class ForthAndBack {
   }
 
   std::shared_ptr<KeyframeStore> store_;
+  double claimed_variance_;
   std::vector<Keyframe> keyframes_;
   std::vector<Rigid3d> truth_;
 };
@@ -140,17 +145,44 @@ TEST(LoopCloser, ProposersCanBeLeftOut) {
 TEST(LoopCloser, ALoopTheGraphContradictsStaysOut) {
   const ForthAndBack drive(RandomHouses(1), RandomHouses(1), Drift());
   LoopOptions options;
-  options.consistency.max_chi2 = 1e-6;
+  options.consistency.max_chi2 = options.consistency.max_chi2_of_rows = 1e-6;
   LoopCloser closer = drive.MakeCloser(options);
   drive.Run(&closer);
   EXPECT_EQ(Accepted(closer.report()), 0);
   EXPECT_EQ(closer.report().records.back().outcome, LoopOutcome::kInconsistent);
 }
 
+TEST(LoopCloser, ARowThatAgreesIsBelievedAgainstTheGraph) {
+  const ForthAndBack drive(RandomHouses(1), RandomHouses(1), Drift(), 0.4);
+  LoopOptions options;
+  options.consistency.drift_floor_m = options.consistency.drift_share = 0.0;
+  options.consistency.drift_rad_per_m = 0.0;
+  options.consistency.graph_inflation = 1.0;  // and so the graph contradicts all of them
+  options.consistency.min_support_of_rows = 6;
+  LoopCloser closer = drive.MakeCloser(options);
+  drive.Run(&closer);
+  EXPECT_GE(Accepted(closer.report()), 10);
+  options.consistency.min_support_of_rows = 1000;
+  LoopCloser strict = drive.MakeCloser(options);
+  drive.Run(&strict);
+  EXPECT_EQ(Accepted(strict.report()), 0);
+}
+
+TEST(LoopCloser, OdometryMuchWorseThanItThinksLosesNoTrueLoop) {
+  const ForthAndBack drive(RandomHouses(1), RandomHouses(1), Drift(), 0.01);
+  LoopCloser closer = drive.MakeCloser();
+  const LoopUpdate update = drive.Run(&closer);
+  EXPECT_GT(closer.report().odometry_variance_factor, 10.0);
+  for (const LoopRecord& record : closer.report().records) {
+    EXPECT_NE(record.outcome, LoopOutcome::kDropped) << record.proposal.current;
+  }
+  EXPECT_LT(drive.EndError_m(update.T_world_lidar.front(), update.T_world_lidar.back()), 0.15);
+}
+
 TEST(LoopCloser, OneLoopAloneIsNotBelieved) {
   const ForthAndBack drive(RandomHouses(1), RandomHouses(1), Drift());
   LoopOptions options;
-  options.consistency.min_support = 1000;
+  options.consistency.min_support = options.consistency.min_support_of_rows = 1000;
   LoopCloser closer = drive.MakeCloser(options);
   drive.Run(&closer);
   EXPECT_EQ(Accepted(closer.report()), 0);

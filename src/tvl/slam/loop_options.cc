@@ -10,6 +10,12 @@ void LoopConsistencyOptions::Check() const {
       << "loops.consistency.graph_inflation: must be at least 1";
   TVL_CHECK_INPUT(drift_share >= 0.0 && drift_floor_m >= 0.0 && drift_rad_per_m >= 0.0)
       << "loops.consistency.drift_share, drift_floor_m, drift_rad_per_m: must not be negative";
+  TVL_CHECK_INPUT(link_floor_m >= 0.0 && link_floor_rad >= 0.0)
+      << "loops.consistency.link_floor_m, link_floor_rad: must not be negative";
+  TVL_CHECK_INPUT(max_chi2_of_rows >= max_chi2)
+      << "loops.consistency.max_chi2_of_rows: must be at least max_chi2";
+  TVL_CHECK_INPUT(min_support_of_rows >= min_support)
+      << "loops.consistency.min_support_of_rows: must be at least min_support";
   TVL_CHECK_INPUT(linked_path_m >= 0.0) << "loops.consistency.linked_path_m: must not be negative";
   TVL_CHECK_INPUT(min_support >= 0) << "loops.consistency.min_support: must not be negative";
   TVL_CHECK_INPUT(max_support_path_m > min_support_gap_m && min_support_gap_m >= 0.0)

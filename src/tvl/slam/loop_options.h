@@ -27,6 +27,9 @@ struct LoopConsistencyOptions {
   double drift_share = 0.005;
   double drift_floor_m = 2.0;
   double drift_rad_per_m = 1e-4;
+  // Of any link, one standard deviation: what distorts a scan and the few next to it alike, and
+  // with that the registrations and the odometry of a metre (de-skewing, calibration).
+  double link_floor_m = 0.1, link_floor_rad = 0.003;
   // A loop whose ends are linked by less path than this is believed by itself: the graph is tight.
   double linked_path_m = 60.0;
   // Any other needs so many verified loops that agree with it, their current keyframes
@@ -34,6 +37,11 @@ struct LoopConsistencyOptions {
   // moment, not while driving along it.
   int min_support = 2;
   double min_support_gap_m = 2.0, max_support_path_m = 40.0;
+  // What the graph contradicts may be right all the same, if odometry is worse than thought: up to
+  // three times the drift above (chi-square times nine), and only as a row of registrations along
+  // some twenty metres of street that all agree.
+  double max_chi2_of_rows = 200.0;
+  int min_support_of_rows = 10;
   // ... and of the comparisons made over max_doubt_path_m of path either way, at least this share
   // must have told: the others found the place ambiguous, things standing where the old pass saw
   // through, or a fit that the graph contradicts. Where streets are identical nearly all do, except

@@ -178,12 +178,16 @@ void VisitFields(Visitor& visit, LoopConsistencyOptions& options) {
   TVL_FIELD(drift_share);
   TVL_FIELD(drift_floor_m);
   TVL_FIELD(drift_rad_per_m);
+  TVL_FIELD(link_floor_m);
+  TVL_FIELD(link_floor_rad);
   TVL_FIELD(linked_path_m);
   TVL_FIELD(min_support);
   TVL_FIELD(min_support_gap_m);
   TVL_FIELD(max_support_path_m);
   TVL_FIELD(max_doubt_path_m);
   TVL_FIELD(min_support_share);
+  TVL_FIELD(max_chi2_of_rows);
+  TVL_FIELD(min_support_of_rows);
 }
 
 template <typename Visitor>

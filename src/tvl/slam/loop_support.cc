@@ -12,12 +12,28 @@ double GraphChi2(const PoseConstraint& loop, const Rigid3d& T_from_to_graph,
   const Vector6d error = (T_from_to_graph.Inverse() * loop.T_from_to).Log();
   Matrix6d covariance = options.graph_inflation * graph_covariance;
   covariance += loop.information.ldlt().solve(Matrix6d::Identity());
-  const double floor_m = linked_path_m > options.linked_path_m ? options.drift_floor_m : 0.0;
+  const double floor_m =
+      linked_path_m > options.linked_path_m ? options.drift_floor_m : options.link_floor_m;
   const double drift_m = std::max(floor_m, options.drift_share * linked_path_m);
-  const double drift_rad = options.drift_rad_per_m * linked_path_m;
+  const double drift_rad =
+      std::max(options.link_floor_rad, options.drift_rad_per_m * linked_path_m);
   covariance.diagonal().head<3>().array() += drift_rad * drift_rad;
   covariance.diagonal().tail<3>().array() += drift_m * drift_m;
   return error.dot(covariance.ldlt().solve(error));
+}
+
+double OdometryVarianceFactor(std::vector<double> innovations_sq) {
+  constexpr double kMedianChi2Of6 = 5.348;
+  if (innovations_sq.empty()) return 1.0;
+  const auto middle =
+      innovations_sq.begin() + static_cast<std::ptrdiff_t>(innovations_sq.size() / 2);
+  std::nth_element(innovations_sq.begin(), middle, innovations_sq.end());
+  return std::max(1.0, *middle / kMedianChi2Of6);
+}
+
+PoseGraph WithOdometryVariance(PoseGraph graph, double factor) {
+  for (PoseConstraint& odometry : graph.odometry) odometry.information /= factor;
+  return graph;
 }
 
 std::vector<size_t> FindSupport(const PoseConstraint& loop,

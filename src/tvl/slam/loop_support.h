@@ -16,6 +16,15 @@ double GraphChi2(const PoseConstraint& loop, const Rigid3d& T_from_to_graph,
                  const Matrix6d& graph_covariance, double linked_path_m,
                  const LoopConsistencyOptions& options);
 
+// How much larger the odometry's errors are, in variance, than its covariances say: at least 1.
+// From the innovations (squared, whitened by the graph's own covariance, chi-square of 6 if that is
+// right) of loops that ended a long way without any. Their upper median, since some loops may be
+// false.
+double OdometryVarianceFactor(std::vector<double> innovations_sq);
+
+// The graph with the odometry believed so much less.
+PoseGraph WithOdometryVariance(PoseGraph graph, double factor);
+
 // Indices of the loops in `others` that support `loop`: they go round with it by the odometry
 // (pairwise consistency), are near it on both passes, and their current keyframes are apart.
 // path_m: driven up to each keyframe.

@@ -69,6 +69,25 @@ TEST(FindSupport, LoopsThatAreWrongTogetherSupportEachOtherOnly) {
             (std::vector<size_t>{0}));
 }
 
+TEST(OdometryVarianceFactor, IsOneWhereTheOdometryIsHonest) {
+  EXPECT_EQ(OdometryVarianceFactor({}), 1.0);
+  EXPECT_EQ(OdometryVarianceFactor({0.1, 2.0, 5.0}), 1.0);
+  EXPECT_NEAR(OdometryVarianceFactor({5.5, 1.0, 5.0, 9.0, 6.0}), 5.5 / 5.348, 1e-12);
+}
+
+TEST(OdometryVarianceFactor, AFewFalseLoopsChangeLittle) {
+  EXPECT_NEAR(OdometryVarianceFactor({53.0, 1e6, 54.0, 53.48, 1e7, 50.0, 40.0}), 10.0, 0.2);
+}
+
+TEST(WithOdometryVariance, LeavesTheLoopsAlone) {
+  PoseGraph graph;
+  graph.odometry = {{0, 1, Rigid3d(), Information(1e-3, 0.1)}};
+  graph.loops = {{0, 1, Rigid3d(), Information(1e-3, 0.1)}};
+  const PoseGraph weaker = WithOdometryVariance(graph, 4.0);
+  EXPECT_TRUE(weaker.odometry[0].information.isApprox(Information(2e-3, 0.2)));
+  EXPECT_TRUE(weaker.loops[0].information.isApprox(graph.loops[0].information));
+}
+
 TEST(GraphChi2, GrowsWithTheErrorAndShrinksWithWhatIsUnknown) {
   const PoseConstraint loop = TwoRounds::Loop(10, 110, 1.0);
   const Rigid3d graph = TwoRounds::Loop(10, 110, 0.0).T_from_to;
@@ -76,6 +95,7 @@ TEST(GraphChi2, GrowsWithTheErrorAndShrinksWithWhatIsUnknown) {
   LoopConsistencyOptions options;
   options.graph_inflation = 1.0;
   options.drift_share = options.drift_floor_m = options.drift_rad_per_m = 0.0;
+  options.link_floor_rad = 0.0;
   const double alone = GraphChi2(loop, graph, covariance, 100.0, options);
   EXPECT_NEAR(alone, 1.0 / (0.05 * 0.05 + 0.03 * 0.03), 1.0);
   options.drift_share = 0.01;

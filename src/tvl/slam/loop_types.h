@@ -37,7 +37,8 @@ struct LoopRecord {
   LoopVerdict verdict;              // of those that were verified
   std::string reason;               // why not accepted; empty for accepted and covered
   LoopOutcome outcome = LoopOutcome::kNotVerified;
-  double chi2 = 0.0;            // against the graph, 6 degrees of freedom
+  double chi2 = 0.0;  // against the graph and what odometry may drift, 6 degrees of freedom
+  double innovation_sq = 0.0;   // the same by the graph's own covariance alone
   double linked_path_m = 0.0;   // between the two when the loop was proposed
   double weight = 0.0;          // in the final graph, 0..1; accepted loops only
   bool is_second_look = false;  // at the end of the data
@@ -54,6 +55,8 @@ struct LoopReport {
   std::vector<LoopRecord> records;  // in the order of the proposals
   std::vector<LoopTimes> times;     // one a keyframe
   double second_look_ms = 0.0, polish_ms = 0.0;
+  // How much larger the odometry's errors turned out, in variance, than its covariances say.
+  double odometry_variance_factor = 1.0;
   PoseGraph graph;  // as optimised in the end
 };
 

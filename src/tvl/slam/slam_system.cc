@@ -283,24 +283,29 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
 }
 
 void SlamSystem::CloseLoops(const Executor& executor) {
-  // With its payload: that of the first keyframe may be replaced meanwhile.
-  const Keyframe& newest = map_.keyframes.back();
-  loop_thread_.Give([closer = loop_closer_, newest, payload = map_.store->Get(newest.id.index)] {
-    return closer->Process(newest, *payload);
-  });
-  if (loop_thread_.pending() <= static_cast<size_t>(options_.loops.lag_keyframes)) return;
-  try {
-    const LoopUpdate update = loop_thread_.Take();
-    Apply(update);
-    Connect(update.connected, executor);
-  } catch (const Error& error) {
-    GiveUpLoops(error);
+  if (loop_fault_.empty()) {
+    // With its payload: that of the first keyframe may be replaced meanwhile.
+    const Keyframe& newest = map_.keyframes.back();
+    loop_thread_.Give([closer = loop_closer_, newest, payload = map_.store->Get(newest.id.index)] {
+      return closer->Process(newest, *payload);
+    });
   }
+  const size_t lag = static_cast<size_t>(options_.loops.lag_keyframes);
+  if (loop_fault_.empty() && loop_thread_.pending() <= lag) return;
+  Connect(ApplyNext(), executor);  // after a fault: lets go of earlier passes
 }
 
-void SlamSystem::GiveUpLoops(const Error& error) {
-  loop_fault_ = error.what();
-  loop_closer_ = nullptr;
+std::vector<int> SlamSystem::ApplyNext() {
+  if (loop_thread_.pending() == 0) return {};
+  try {
+    const LoopUpdate update = loop_thread_.Take();
+    if (!loop_fault_.empty()) return {};  // of work given before the fault was known
+    Apply(update);
+    return update.connected;
+  } catch (const std::exception& error) {
+    if (loop_fault_.empty()) loop_fault_ = error.what();
+    return {};
+  }
 }
 
 void SlamSystem::Connect(const std::vector<int>& keyframes, const Executor& executor) {
@@ -335,11 +340,11 @@ const LoopReport& SlamSystem::loops() const {
 
 void SlamSystem::Finish() {
   if (loop_closer_ == nullptr) return;
-  try {
-    loop_thread_.Give([closer = loop_closer_] { return closer->Finish(); });
-    while (loop_thread_.pending() > 0) Apply(loop_thread_.Take());
-  } catch (const Error& error) {
-    GiveUpLoops(error);
+  while (loop_thread_.pending() > 0) ApplyNext();
+  for (const auto step : {&LoopCloser::LookAgain, &LoopCloser::Polish}) {
+    if (!loop_fault_.empty()) return;
+    loop_thread_.Give([closer = loop_closer_, step] { return ((*closer).*step)(); });
+    ApplyNext();
   }
 }
 

@@ -103,7 +103,8 @@ class SlamSystem {
   // Hands the newest keyframe to the loop search and applies what is due.
   void CloseLoops(const Executor& executor);
   void Apply(const LoopUpdate& update);
-  void GiveUpLoops(const Error& error);
+  // Applies the oldest result that is waiting; what the loop search found wrong ends it.
+  std::vector<int> ApplyNext();
   // Fetches keyframes of earlier passes into the local map.
   void Connect(const std::vector<int>& keyframes, const Executor& executor);
 
