@@ -34,7 +34,7 @@ struct KeyframePayload {
 struct Keyframe {
   KeyframeId id;
   FrameId frame = 0;
-  Timestamp stamp;
+  Timestamp stamp;      // the frame's; runs on, and never back, where the input's clock does not
   double path_m = 0.0;  // length driven up to here
   Rigid3d T_odom_lidar;
   Rigid3d T_world_lidar;

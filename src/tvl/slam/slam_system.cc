@@ -265,7 +265,7 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
   Keyframe keyframe;
   keyframe.id = {0, static_cast<int32_t>(map_.keyframes.size())};
   keyframe.frame = result.id;
-  keyframe.stamp = result.stamp;
+  keyframe.stamp = clock_;
   keyframe.path_m = path_m_;
   keyframe.T_odom_lidar = result.T_odom_lidar;
   keyframe.T_world_lidar = result.T_odom_lidar;
