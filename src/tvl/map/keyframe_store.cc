@@ -147,7 +147,7 @@ struct KeyframeStore::Impl {
     std::shared_ptr<const KeyframePayload> payload;  // null: in the file only
     size_t bytes = 0;                                // in memory
     size_t file_begin = 0, file_bytes = 0;           // file_bytes 0: not in the file
-    std::list<int>::iterator use;                    // in `order`, while in memory
+    std::list<int>::iterator use;                    // in `order`; its end: not there
   };
 
   explicit Impl(const KeyframeStoreOptions& options)
@@ -160,27 +160,38 @@ struct KeyframeStore::Impl {
     memory += entry->bytes;
   }
   void LetGo(Entry* entry) {
-    order.erase(entry->use);
+    Unlist(entry);
     memory -= entry->bytes;
     entry->payload = nullptr;
   }
-  // Least recently used first; the newest stays whatever its size.
+  // It leaves memory, or stays in it for good.
+  void Unlist(Entry* entry) {
+    if (entry->use != order.end()) order.erase(entry->use);
+    entry->use = order.end();
+  }
+  // Least recently used first; the newest stays whatever its size, and what cannot be written.
   void Trim() {
-    while (memory > budget && order.size() > 1 && fault.empty()) {
+    while (memory > budget && order.size() > 1) {
       Entry& entry = entries.at(order.front());
-      try {
-        if (entry.file_bytes == 0) Save(&entry);
+      if (entry.file_bytes == 0) Save(&entry);
+      if (entry.file_bytes > 0) {
         LetGo(&entry);
-      } catch (const InputError& error) {
-        fault = error.what();
+      } else {
+        Unlist(&entry);
       }
     }
   }
+  // Does nothing once there was a fault.
   void Save(Entry* entry) {
+    if (!fault.empty()) return;
     Writer writer;
     ForEachArray(*entry->payload, [&](const auto& values) { writer.Add(values); });
-    entry->file_begin = file.Append(writer.bytes());
-    entry->file_bytes = writer.bytes().size();
+    try {
+      entry->file_begin = file.Append(writer.bytes());
+      entry->file_bytes = writer.bytes().size();
+    } catch (const InputError& error) {
+      fault = error.what();
+    }
   }
   std::shared_ptr<const KeyframePayload> Load(const Entry& entry) const {
     const std::vector<char> bytes = file.Read(entry.file_begin, entry.file_bytes);
@@ -192,7 +203,7 @@ struct KeyframeStore::Impl {
 
   size_t budget, memory = 0;
   std::map<int, Entry> entries;
-  std::list<int> order;  // in memory, least recently used first
+  std::list<int> order;  // in memory and free to leave it, least recently used first
   SpillFile file;
   std::string fault;
   std::mutex mutex;
@@ -207,7 +218,7 @@ void KeyframeStore::Put(int index, std::shared_ptr<const KeyframePayload> payloa
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   Impl::Entry& entry = impl_->entries[index];
   if (entry.payload != nullptr) impl_->LetGo(&entry);
-  entry = {std::move(payload), 0, 0, 0, {}};
+  entry = {std::move(payload), 0, 0, 0, impl_->order.end()};
   impl_->Hold(index, &entry);
   impl_->Trim();
 }
@@ -220,7 +231,7 @@ std::shared_ptr<const KeyframePayload> KeyframeStore::Get(int index) const {
   if (entry.payload == nullptr) {
     entry.payload = impl_->Load(entry);
     impl_->Hold(index, &entry);
-  } else {
+  } else if (entry.use != impl_->order.end()) {
     impl_->order.splice(impl_->order.end(), impl_->order, entry.use);
   }
   std::shared_ptr<const KeyframePayload> payload = entry.payload;

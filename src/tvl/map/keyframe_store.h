@@ -20,8 +20,8 @@ struct KeyframeStoreOptions {
 };
 
 // Returns what was put in, bit by bit. The least recently used payloads leave memory first; each is
-// written once. Where the file cannot be made or written everything stays in memory from then on,
-// and fault() says why. Thread-safe.
+// written once. Where the file cannot be made or written, what is not in it by then stays in
+// memory, and fault() says why. Thread-safe.
 class KeyframeStore {
  public:
   explicit KeyframeStore(const KeyframeStoreOptions& options);

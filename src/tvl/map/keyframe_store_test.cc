@@ -1,7 +1,9 @@
 #include "tvl/map/keyframe_store.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <thread>
 
 #include "tvl/base/check.h"
@@ -88,6 +90,47 @@ TEST(KeyframeStore, SaysWhatIsWrong) {
   EXPECT_NE(store.fault().find("/no/such/folder"), std::string::npos) << store.fault();
   for (int i = 0; i < 3; ++i) ExpectEqual(*store.Get(i), *Payload(i));
   EXPECT_THROW(store.Get(9), Error);
+}
+
+// While it lives files cannot grow beyond so many bytes, as on a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(size_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST(KeyframeStore, WhatWasWrittenBeforeTheDiskWasFullStillLeavesMemory) {
+  KeyframeStore store(Small());
+  {
+    const FullDisk disk(5 * 17 * kPoints);  // five payloads
+    for (int i = 0; i < 12; ++i) store.Put(i, Payload(i));
+  }
+  EXPECT_NE(store.fault(), "");
+  const size_t written = store.file_bytes();
+  EXPECT_GT(written, 4U * 16U * kPoints);
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int i = 0; i < 12; ++i) {
+      ExpectEqual(*store.Get(i), *Payload(i));
+      // Seven that cannot be written, and the one just used.
+      EXPECT_LE(store.memory_bytes(), 8U * 17U * kPoints) << "after keyframe " << i;
+    }
+  }
+  store.Put(11, Payload(3));
+  ExpectEqual(*store.Get(11), *Payload(3));
+  EXPECT_EQ(store.file_bytes(), written);
 }
 
 TEST(KeyframeStore, ServesSeveralThreads) {
