@@ -113,7 +113,7 @@ TEST_F(RealLoops, AnotherStretchOfTheSameStreetIsRefused) {
         const LoopVerdict verdict =
             Verify(passes, history, passes.size() - 1, Moved(1.0, 1.0, yaw_rad), {});
         EXPECT_FALSE(verdict.accepted()) << history << " " << current << " " << yaw_rad;
-        EXPECT_LT(verdict.overlap - verdict.seen_through, 0.35) << history << " " << current;
+        EXPECT_LT(verdict.overlap - verdict.seen_through, 0.28) << history << " " << current;
       }
     }
   }
