@@ -142,7 +142,10 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
   const std::string store_fault = result.map.store->fault();
   if (!store_fault.empty()) std::cout << store_fault << ": kept in memory\n";
   std::cout << TimingTable(result) << "results in " << out << "\n";
-  if (result.stopped) std::cout << "interrupted: the results are complete up to here\n";
+  if (result.stopped) {
+    std::cout << "interrupted: the results are complete up to here"
+              << (result.loops.times.empty() ? "\n" : ", without a second look for loops\n");
+  }
 }
 
 // The keyframes' true poses; empty where the input does not know them.

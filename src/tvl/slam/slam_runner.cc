@@ -88,7 +88,7 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
     result.frames.push_back(run.system.ProcessFrame(*frame, executor));
     result.stopped = !observer(result.frames.back());
   }
-  run.system.Finish();
+  run.system.Finish(result.stopped ? SecondLook::kNo : SecondLook::kYes);
   result.trajectory = run.system.trajectory();
   result.odometry = run.system.odometry_path();
   result.loops = run.system.loops();

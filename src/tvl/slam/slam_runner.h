@@ -31,7 +31,8 @@ struct RunResult {
 };
 
 // Sees every frame's result, once and in order; returns false to stop the run (all results so far
-// are kept). Until the de-skewing is decided it sees the results under the input's default.
+// are kept, and its end is not held up by a second look for loops). Until the de-skewing is decided
+// it sees the results under the input's default.
 using RunObserver = std::function<bool(const FrameResult&)>;
 
 // Throws InputError if not one frame has a usable scan.

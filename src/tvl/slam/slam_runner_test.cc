@@ -64,6 +64,19 @@ TEST(RunSlam, TheObserverCanStopItAndResultsAreKept) {
   }
 }
 
+// The second look takes long; whoever stops a run wants its results now.
+TEST(RunSlam, StoppedItDoesNotLookAgainForLoops) {
+  const Drive drive(Frames(12));
+  RunOptions options = LidarOnly();
+  options.deskew = Deskew::kNone;
+  const RunResult whole = Play(drive, options);
+  EXPECT_GT(whole.loops.second_look_ms, 0.0);
+  const RunResult stopped =
+      Play(drive, options, [](const FrameResult& frame) { return frame.id < 9; });
+  EXPECT_EQ(stopped.loops.second_look_ms, 0.0);
+  EXPECT_EQ(stopped.loops.graph.T_world.size(), stopped.map.keyframes.size()) << "polished";
+}
+
 TEST(RunSlam, RefusesAnInputWithoutAnyScan) {
   DriveOptions options = Frames(3);
   options.without_scan = {0, 1, 2};

@@ -338,10 +338,11 @@ const LoopReport& SlamSystem::loops() const {
   return loop_closer_ == nullptr ? none : loop_closer_->report();
 }
 
-void SlamSystem::Finish() {
+void SlamSystem::Finish(SecondLook second_look) {
   if (loop_closer_ == nullptr) return;
   while (loop_thread_.pending() > 0) ApplyNext();
   for (const auto step : {&LoopCloser::LookAgain, &LoopCloser::Polish}) {
+    if (step == &LoopCloser::LookAgain && second_look == SecondLook::kNo) continue;
     if (!loop_fault_.empty()) return;
     loop_thread_.Give([closer = loop_closer_, step] { return ((*closer).*step)(); });
     ApplyNext();

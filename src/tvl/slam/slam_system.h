@@ -31,6 +31,9 @@ enum class FrameStatus {
 };
 const char* ToString(FrameStatus status);
 
+// At all keyframes without a loop, at the end of the data.
+enum class SecondLook { kYes, kNo };
+
 struct FrameResult {
   FrameId id = 0;
   Timestamp stamp;
@@ -60,9 +63,9 @@ class SlamSystem {
   // Frames in order of time. Never throws for what is wrong with a frame's data.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor);
 
-  // After the last frame: waits for the loop search, which looks once more at all keyframes, and
-  // applies everything found.
-  void Finish();
+  // After the last frame: waits for the loop search, which looks once more at all keyframes unless
+  // told not to (it can take half a minute), and applies everything found.
+  void Finish(SecondLook second_look = SecondLook::kYes);
 
   // Why the loop search ended before its time; empty: it did not. Poses are those known until then.
   const std::string& loop_fault() const { return loop_fault_; }
