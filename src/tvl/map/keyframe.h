@@ -26,7 +26,7 @@ struct KeyframeCloud {
 // What a keyframe saw. About 0.3 MB, kept in a KeyframeStore.
 struct KeyframePayload {
   KeyframeCloud cloud;
-  ImageFeatures image;  // empty without a camera
+  ImageFeatures image;  // empty without a camera, or if loops are not sought by it
 };
 
 // The odometry frame never jumps: it is the world as the odometry alone sees it, and drifts. What

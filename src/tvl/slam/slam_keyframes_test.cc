@@ -37,5 +37,22 @@ TEST(KeyframeOf, AClockThatRestartsHasStampsThatNeverDecrease) {
   }
 }
 
+size_t ImageFeaturesOf(const Drive& drive, const SlamOptions& options) {
+  SlamSystem system(drive.setup(), Deskew::kNone, options);
+  for (size_t i = 0; i < drive.size(); ++i) system.ProcessFrame(drive.Frame(i), Executor(1));
+  return system.map().store->Image(0)->size();
+}
+
+TEST(KeyframeOf, ImagesAreDescribedForTheVisualSearchAlone) {
+  const Drive drive(Options(2, true));
+  SlamOptions options;
+  EXPECT_GT(ImageFeaturesOf(drive, options), 50u);
+  options.loops.use_visual = false;
+  EXPECT_EQ(ImageFeaturesOf(drive, options), 0u);
+  options.loops.use_visual = true;
+  options.loops.enabled = false;
+  EXPECT_EQ(ImageFeaturesOf(drive, options), 0u);
+}
+
 }  // namespace
 }  // namespace tvl

@@ -134,7 +134,11 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& e
   Advance(result, motion);
   result.is_keyframe = UpdateLandmarks(current, result);
   if (result.is_keyframe) {
-    AddKeyframe(result, {cloud, preprocessor_.Describe(frame, current, motion)}, executor);
+    ImageFeatures image;  // for the visual search alone
+    if (options_.loops.enabled && options_.loops.use_visual) {
+      image = preprocessor_.Describe(frame, current, motion);
+    }
+    AddKeyframe(result, {cloud, std::move(image)}, executor);
   }
   odometry_.Advance(current, cloud.edges.points, cloud.planes.points);
   result.times.map_update_ms = watch.LapMs();
