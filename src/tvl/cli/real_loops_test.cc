@@ -33,7 +33,6 @@ Street DriveStreet(const std::string& folder, bool use_camera) {
   const auto data = OpenInput(folder);
   SlamOptions options;
   options.use_camera = use_camera;
-  options.loops.enabled = false;
   options.mapping.keyframes.min_translation_m = 1e-6;
   SlamSystem system(data->setup(), Deskew::kClockwise, options);
   const Executor executor(2);
