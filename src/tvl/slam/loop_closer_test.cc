@@ -158,11 +158,10 @@ TEST(LoopCloser, ARowThatAgreesIsBelievedAgainstTheGraph) {
   options.consistency.drift_floor_m = options.consistency.drift_share = 0.0;
   options.consistency.drift_rad_per_m = 0.0;
   options.consistency.graph_inflation = 1.0;  // and so the graph contradicts all of them
-  options.consistency.min_support_of_rows = 6;
   LoopCloser closer = drive.MakeCloser(options);
   drive.Run(&closer);
   EXPECT_GE(Accepted(closer.report()), 10);
-  options.consistency.min_support_of_rows = 1000;
+  options.consistency.min_row_m = 100.0;  // longer than the street
   LoopCloser strict = drive.MakeCloser(options);
   drive.Run(&strict);
   EXPECT_EQ(Accepted(strict.report()), 0);
@@ -182,7 +181,7 @@ TEST(LoopCloser, OdometryMuchWorseThanItThinksLosesNoTrueLoop) {
 TEST(LoopCloser, OneLoopAloneIsNotBelieved) {
   const ForthAndBack drive(RandomHouses(1), RandomHouses(1), Drift());
   LoopOptions options;
-  options.consistency.min_support = options.consistency.min_support_of_rows = 1000;
+  options.consistency.min_support = 1000;
   LoopCloser closer = drive.MakeCloser(options);
   drive.Run(&closer);
   EXPECT_EQ(Accepted(closer.report()), 0);

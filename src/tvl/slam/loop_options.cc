@@ -14,8 +14,7 @@ void LoopConsistencyOptions::Check() const {
       << "loops.consistency.link_floor_m, link_floor_rad: must not be negative";
   TVL_CHECK_INPUT(max_chi2_of_rows >= max_chi2)
       << "loops.consistency.max_chi2_of_rows: must be at least max_chi2";
-  TVL_CHECK_INPUT(min_support_of_rows >= min_support)
-      << "loops.consistency.min_support_of_rows: must be at least min_support";
+  TVL_CHECK_INPUT(min_row_m >= 0.0) << "loops.consistency.min_row_m: must not be negative";
   TVL_CHECK_INPUT(linked_path_m >= 0.0) << "loops.consistency.linked_path_m: must not be negative";
   TVL_CHECK_INPUT(min_support >= 0) << "loops.consistency.min_support: must not be negative";
   TVL_CHECK_INPUT(max_support_path_m > min_support_gap_m && min_support_gap_m >= 0.0)

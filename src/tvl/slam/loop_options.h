@@ -38,10 +38,10 @@ struct LoopConsistencyOptions {
   int min_support = 2;
   double min_support_gap_m = 2.0, max_support_path_m = 40.0;
   // What the graph contradicts may be right all the same, if odometry is worse than thought: up to
-  // three times the drift above (chi-square times nine), and only as a row of registrations along
-  // some twenty metres of street that all agree.
+  // three times the drift above (chi-square times nine), and only as a row of loops along so much
+  // path, each supported by others. One accepted, the graph follows.
   double max_chi2_of_rows = 200.0;
-  int min_support_of_rows = 10;
+  double min_row_m = 30.0;
   // ... and of the comparisons made over max_doubt_path_m of path either way, at least this share
   // must have told: the others found the place ambiguous, things standing where the old pass saw
   // through, or a fit that the graph contradicts. Where streets are identical nearly all do, except

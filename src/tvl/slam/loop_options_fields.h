@@ -187,7 +187,7 @@ void VisitFields(Visitor& visit, LoopConsistencyOptions& options) {
   TVL_FIELD(max_doubt_path_m);
   TVL_FIELD(min_support_share);
   TVL_FIELD(max_chi2_of_rows);
-  TVL_FIELD(min_support_of_rows);
+  TVL_FIELD(min_row_m);
 }
 
 template <typename Visitor>

@@ -38,8 +38,10 @@ struct LoopRecord {
   std::string reason;               // why not accepted; empty for accepted and covered
   LoopOutcome outcome = LoopOutcome::kNotVerified;
   double chi2 = 0.0;  // against the graph and what odometry may drift, 6 degrees of freedom
-  double innovation_sq = 0.0;   // the same by the graph's own covariance alone
-  double linked_path_m = 0.0;   // between the two when the loop was proposed
+  double innovation_sq = 0.0;  // the same by the graph's own covariance alone
+  double linked_path_m = 0.0;  // between the two when the loop was proposed
+  // Path driven when the row of loops began of which each supports the next, up to this one.
+  double row_start_m = 0.0;
   double weight = 0.0;          // in the final graph, 0..1; accepted loops only
   bool is_second_look = false;  // at the end of the data
 };
