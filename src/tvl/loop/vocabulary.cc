@@ -78,6 +78,11 @@ WordOf Vocabulary::Find(const BinaryDescriptor& descriptor, int level) const {
   return found;
 }
 
+bool Vocabulary::HasWeights() const {
+  return std::any_of(leaf_of_word_.begin(), leaf_of_word_.end(),
+                     [&](int32_t leaf) { return nodes_[static_cast<size_t>(leaf)].weight > 0.0; });
+}
+
 BagOfWords Vocabulary::Describe(const std::vector<WordOf>& words) const {
   std::vector<int32_t> sorted;
   for (const WordOf& w : words) sorted.push_back(w.word);

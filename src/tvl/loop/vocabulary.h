@@ -55,7 +55,8 @@ class Vocabulary {
   Vocabulary(int branching, int levels, std::vector<VocabularyNode> nodes);
 
   // Clusters all descriptors level by level (k-medians, seeded like k-means++), then weighs each
-  // word by the images it is found in. Throws InputError if there is no descriptor. Deterministic.
+  // word by the images it is found in. Throws InputError if fewer than two images have descriptors
+  // or no word tells one image from another. Deterministic.
   static Vocabulary Train(const std::vector<std::vector<BinaryDescriptor>>& images,
                           const VocabularyOptions& options, uint64_t seed);
 
@@ -66,6 +67,9 @@ class Vocabulary {
   // tf-idf of the words of an image.
   BagOfWords Describe(const std::vector<WordOf>& words) const;
   BagOfWords Describe(const std::vector<BinaryDescriptor>& descriptors) const;
+
+  // Some word has a weight. Without, every image is described by nothing.
+  bool HasWeights() const;
 
   int branching() const { return branching_; }
   int levels() const { return levels_; }

@@ -132,7 +132,9 @@ Vocabulary ParseVocabulary(const std::string& bytes, const std::string& name) {
   TVL_CHECK_INPUT(nodes.size() == contents.nodes.size() + 1)
       << name << ": only " << nodes.size() - 1 << " of " << contents.nodes.size()
       << " nodes hang on the root";
-  return {contents.header.branching, contents.header.levels, std::move(nodes)};
+  Vocabulary vocabulary(contents.header.branching, contents.header.levels, std::move(nodes));
+  TVL_CHECK_INPUT(vocabulary.HasWeights()) << name << ": no word has a weight";
+  return vocabulary;
 }
 
 Vocabulary ReadVocabulary(const std::string& path) {

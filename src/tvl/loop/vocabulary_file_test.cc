@@ -129,6 +129,14 @@ TEST(VocabularyFile, DamagedFilesAreRefusedByName) {
   EXPECT_THAT(ErrorOf(bytes), HasSubstr("weight"));
 }
 
+// Such a vocabulary finds nothing and does not say so.
+TEST(VocabularyFile, WithoutAnyWeightIsRefused) {
+  std::string bytes = BytesOf(MakeVocabulary());
+  const auto nodes = static_cast<size_t>(Get<int32_t>(bytes, 16));
+  for (size_t i = 0; i < nodes; ++i) Put(bytes, 24 + 48 * i + 8, 0.0);
+  EXPECT_THAT(ErrorOf(bytes), HasSubstr("voc.bin: no word has a weight"));
+}
+
 TEST(VocabularyFile, MissingFileIsNamed) {
   try {
     ReadVocabulary("no/such.bin");

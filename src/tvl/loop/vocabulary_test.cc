@@ -45,7 +45,8 @@ TEST(Hamming, CountsBitsThatDiffer) {
 
 TEST(Vocabulary, ClustersBecomeWords) {
   // 8 kinds 110 bits apart, noise of 10: two levels of three children hold them apart.
-  const Images images = MakeImages(20, 8, 1);
+  Images images = MakeImages(20, 8, 1);
+  images.push_back({images[0][0]});  // one in which the other words are not
   const Vocabulary vocabulary = Vocabulary::Train(images, Small(8, 1), 1);
   EXPECT_EQ(vocabulary.words(), 8);
   // Every word's descriptor is the majority of its kind: free of noise, so near to its members.
@@ -134,6 +135,10 @@ TEST(Vocabulary, SimilarityIsOneMinusHalfTheL1Distance) {
 
 TEST(Vocabulary, RefusesNothingToTrainOnAndBadOptions) {
   EXPECT_THROW(Vocabulary::Train({{}, {}}, {}, 1), InputError);
+  const std::vector<BinaryDescriptor> image = MakeImages(1, 5, 8)[0];
+  EXPECT_THROW(Vocabulary::Train({image}, {}, 1), InputError);
+  EXPECT_THROW(Vocabulary::Train({image, {}}, {}, 1), InputError) << "one image has features";
+  EXPECT_THROW(Vocabulary::Train({image, image}, {}, 1), InputError) << "all alike: no weights";
   EXPECT_THROW(Small(1, 4).Check(), InputError);
   EXPECT_THROW(Small(10, 0).Check(), InputError);
   EXPECT_THROW(Small(100, 8).Check(), InputError);
@@ -144,7 +149,7 @@ TEST(Vocabulary, AWordIsTheMajorityOfItsMembers) {
   Rng rng(7);
   const BinaryDescriptor a = RandomDescriptor(rng), b = RandomDescriptor(rng);
   const std::vector<BinaryDescriptor> members = {a, WithNoise(a, 40, rng), a, b, b};
-  const Vocabulary vocabulary = Vocabulary::Train({members}, Small(2, 1), 1);
+  const Vocabulary vocabulary = Vocabulary::Train({members, {b}}, Small(2, 1), 1);
   std::set<BinaryDescriptor> words;
   for (const int32_t leaf : vocabulary.leaf_of_word()) {
     words.insert(vocabulary.nodes()[static_cast<size_t>(leaf)].descriptor);
@@ -157,7 +162,7 @@ TEST(Vocabulary, FewDifferentDescriptorsGiveFewWords) {
   const BinaryDescriptor a = RandomDescriptor(rng), b = RandomDescriptor(rng);
   const Vocabulary vocabulary = Vocabulary::Train({{a, a, b}, {b}}, Small(10, 4), 1);
   EXPECT_EQ(vocabulary.words(), 2);
-  EXPECT_EQ(Vocabulary::Train({{a, a}}, Small(10, 4), 1).words(), 1);
+  EXPECT_EQ(Vocabulary::Train({{a, a, b}, {a, a}}, Small(10, 4), 1).words(), 2);
 }
 
 }  // namespace

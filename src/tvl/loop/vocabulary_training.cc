@@ -156,7 +156,10 @@ Vocabulary Vocabulary::Train(const std::vector<Descriptors>& images,
   options.Check();
   Descriptors all;
   for (const Descriptors& image : images) all.insert(all.end(), image.begin(), image.end());
-  TVL_CHECK_INPUT(!all.empty()) << "vocabulary: no descriptors to train on";
+  const auto usable = std::count_if(images.begin(), images.end(),
+                                    [](const Descriptors& image) { return !image.empty(); });
+  TVL_CHECK_INPUT(usable >= 2) << "vocabulary: " << usable << " of " << images.size()
+                               << " images have features to train on, needs at least 2";
   Rng rng(seed);
   std::vector<VocabularyNode> nodes = Grow(all, options, rng);
   const std::vector<double> weights =
@@ -164,7 +167,11 @@ Vocabulary Vocabulary::Train(const std::vector<Descriptors>& images,
   for (VocabularyNode& node : nodes) {
     if (node.children == 0) node.weight = weights[static_cast<size_t>(node.word)];
   }
-  return {options.branching, options.levels, std::move(nodes)};
+  Vocabulary vocabulary(options.branching, options.levels, std::move(nodes));
+  TVL_CHECK_INPUT(vocabulary.HasWeights())
+      << "vocabulary: all " << vocabulary.words() << " words are in each of the " << images.size()
+      << " images: nothing tells one from another";
+  return vocabulary;
 }
 
 }  // namespace tvl
