@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "tvl/base/check.h"
 #include "tvl/base/index.h"
@@ -12,7 +11,7 @@
 namespace tvl {
 namespace {
 
-// Changes among weights below this do not matter: such a loop is dropped.
+// Changes among weights below this do not matter.
 constexpr double kNegligibleWeight = 1e-3;
 
 }  // namespace
@@ -82,49 +81,11 @@ PoseGraphUpdate IncrementalPoseGraph::AddLoops(const std::vector<PoseConstraint>
   return Solve(std::move(touched));
 }
 
-PoseGraphUpdate IncrementalPoseGraph::Adopt(const BatchPoseGraphResult& batch) {
-  TVL_CHECK(batch.T_world.size() == estimates_.size()) << "the batch solution has other poses";
-  linearized_at_ = estimates_ = batch.T_world;
-  size_t next = 0;
-  for (const size_t term : loop_terms_) {
-    if (is_removed_[term]) continue;
-    TVL_CHECK(next < batch.loop_weights.size()) << "the batch solution has fewer loops";
-    const double weight = batch.loop_weights[next++];
-    weights_[term] = weight > kNegligibleWeight ? weight : 0.0;
-  }
-  TVL_CHECK(next == batch.loop_weights.size()) << "the batch solution has more loops";
-  std::vector<int> all(estimates_.size() - 1);
-  std::iota(all.begin(), all.end(), 1);
-  for (const int v : all) tree_.ClearStep(v);
-  for (size_t term = 0; term < constraints_.size(); ++term) LinearizeTerm(term);
-  PoseGraphUpdate update = Solve(all);
-  update.relinearized += static_cast<int>(all.size());
-  return update;
-}
-
-PoseGraphUpdate IncrementalPoseGraph::RemoveLoops(const std::vector<int>& loops) {
-  std::vector<int> touched;
-  for (const int loop : loops) {
-    TVL_CHECK(loop >= 0 && loop < this->loops()) << "there is no loop " << loop;
-    const size_t term = loop_terms_[Index(loop)];
-    if (is_removed_[term]) continue;
-    is_removed_[term] = 1;
-    weights_[term] = 0.0;
-    for (const int v : {constraints_[term].from, constraints_[term].to}) {
-      auto& terms = graph_.terms_of[Index(v)];
-      terms.erase(std::find(terms.begin(), terms.end(), term));
-      touched.push_back(v);
-    }
-  }
-  return Solve(std::move(touched));
-}
-
 size_t IncrementalPoseGraph::AddTerm(const PoseConstraint& constraint, double weight) {
   const size_t term = constraints_.size();
   constraints_.push_back(constraint);
   weights_.push_back(weight);
   is_loop_.push_back(0);
-  is_removed_.push_back(0);
   graph_.terms.push_back({constraint.from, constraint.to, {}});
   graph_.terms_of[Index(constraint.from)].push_back(term);
   graph_.terms_of[Index(constraint.to)].push_back(term);
@@ -182,7 +143,6 @@ std::vector<int> IncrementalPoseGraph::ReweighLoops() {
   std::vector<int> touched;
   for (int loop = 0; loop < loops(); ++loop) {
     const size_t term = loop_terms_[Index(loop)];
-    if (is_removed_[term]) continue;
     const double e_sq = SquaredError(constraints_[term], estimates_);
     // A loop in doubt stays out until the graph agrees with it: half a weight would pull it there.
     if (weights_[term] == 0.0 && e_sq > options_.loop_width_sq) continue;
@@ -206,7 +166,6 @@ std::vector<double> IncrementalPoseGraph::LoopWeights() const {
 double IncrementalPoseGraph::Cost() const {
   double sum = 0.0;
   for (size_t term = 0; term < constraints_.size(); ++term) {
-    if (is_removed_[term]) continue;
     const double e_sq = SquaredError(constraints_[term], estimates_);
     sum += is_loop_[term] ? EvaluateLoopLoss(options_.loop_loss, e_sq, options_.loop_width_sq).rho
                           : e_sq;
@@ -218,7 +177,6 @@ PoseGraph IncrementalPoseGraph::Graph() const {
   PoseGraph graph;
   graph.T_world = estimates_;
   for (size_t term = 0; term < constraints_.size(); ++term) {
-    if (is_removed_[term]) continue;
     (is_loop_[term] ? graph.loops : graph.odometry).push_back(constraints_[term]);
   }
   return graph;

@@ -12,7 +12,6 @@
 
 #include "tvl/geometry/rigid3.h"
 #include "tvl/map/pose_graph.h"
-#include "tvl/pose_graph/batch_pose_graph.h"
 #include "tvl/pose_graph/bayes_tree.h"
 #include "tvl/pose_graph/loop_loss.h"
 
@@ -35,7 +34,7 @@ struct IncrementalPoseGraphOptions {
   LoopLoss loop_loss = LoopLoss::kDcs;
   double loop_width_sq = 16.8;
   // A new loop farther than this from what the graph knows (InnovationSq) is doubted: it waits with
-  // weight 0 until the estimates come within loop_width_sq of it, or until Adopt brings a verdict.
+  // weight 0 until the estimates come within loop_width_sq of it.
   // Exceeded by 0.1 % of true loops (chi-square of 6). Not used with LoopLoss::kNone.
   double max_innovation_sq = 22.5;
   // Loops whose weight changes by less than this share are not touched: each costs an update.
@@ -64,28 +63,20 @@ class IncrementalPoseGraph {
   // Throws InputError naming the constraint if it is unusable.
   PoseGraphUpdate AddKeyframe(const PoseConstraint& odometry);
   // Loops between existing poses, all that were verified: doubted ones do no harm and count when
-  // others come to agree with them. They are numbered from 0 in the order they come.
+  // others come to agree with them. When several are in doubt, a false one may have come first and
+  // the true ones are those that wait: the batch solution, which weighs them all, tells.
   PoseGraphUpdate AddLoops(const std::vector<PoseConstraint>& loops);
-  // As if these loops had never been added; their numbers are not used again. Throws Error for a
-  // number that does not exist; one removed before is ignored.
-  PoseGraphUpdate RemoveLoops(const std::vector<int>& loops);
-
-  // Goes on from a batch solution of Graph(): its poses, and its verdict about the loops. When
-  // several loops are in doubt, a false one may have come first and the true ones are those that
-  // wait; the batch solution, which weighs them all, tells. Throws Error if poses or loops were
-  // added or removed since Graph().
-  PoseGraphUpdate Adopt(const BatchPoseGraphResult& batch);
 
   int size() const { return static_cast<int>(estimates_.size()); }
   int loops() const { return static_cast<int>(loop_terms_.size()); }
   // T_world of every pose.
   const std::vector<Rigid3d>& estimates() const { return estimates_; }
-  // What robust handling left of each loop: 1 fully believed, towards 0: contradicted; 0: doubted
-  // from the start, or removed.
+  // What robust handling left of each loop, in the order they came: 1 fully believed, towards 0:
+  // contradicted; 0: doubted from the start.
   std::vector<double> LoopWeights() const;
   // 0.5 sum e^T information e over odometry plus 0.5 sum rho over loops, at the estimates.
   double Cost() const;
-  // Everything added and not removed, with the estimates: for the batch solution at the end.
+  // Everything added, with the estimates: for the batch solution at the end.
   PoseGraph Graph() const;
 
   // How far a loop that is not in the graph is from what the graph knows: its error at the
@@ -108,8 +99,8 @@ class IncrementalPoseGraph {
   IncrementalPoseGraphOptions options_;
   std::vector<PoseConstraint> constraints_;  // of each term of graph_
   std::vector<double> weights_;
-  std::vector<size_t> loop_terms_;          // of each loop: its term
-  std::vector<char> is_loop_, is_removed_;  // of each term
+  std::vector<size_t> loop_terms_;  // of each loop: its term
+  std::vector<char> is_loop_;       // of each term
   std::vector<Rigid3d> linearized_at_, estimates_;
   LinearGraph graph_;
   BayesTree tree_;
