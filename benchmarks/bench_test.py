@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 import compare_loops
+import loops
 from bench import closures, clouds, drives, kiss_slam, metrics, poses, registrars
 
 
@@ -224,6 +225,13 @@ class Rows(unittest.TestCase):
                          closures.Score(7, 1, 0.5, 0.25, 9, 6))
         self.assertEqual(compare_loops.our_end_s(self.REPORT), 0.75)
         self.assertIsNone(compare_loops.our_loops({}))
+
+    def test_what_was_in_the_graph_meanwhile_is_said(self):
+        truth = {"accepted": 7, "false_accepted": 0, "dropped": 3, "false_dropped": 2}
+        line = loops.counts({"proposals": 30, "odometry_variance_factor": 2.5,
+                             "against_truth": truth})
+        self.assertIn("7 accepted, 0 of them false; 3 dropped in the end, 2 of them false", line)
+        self.assertIn("2.50", line)
 
     def test_errors_of_no_loops_are_not_zero(self):
         truth = dict(self.REPORT["loops"]["against_truth"], accepted=0, error_p95_m=0.0)

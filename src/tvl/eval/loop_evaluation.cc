@@ -64,11 +64,16 @@ LoopEvaluation EvaluateLoops(const std::vector<LoopRecord>& records,
     ++score.proposals;
     score.at_revisits += is_revisit;
     if (is_revisit) found[proposer].insert(record.proposal.current);
+    const bool is_false =
+        error.translation_m > options.false_m || error.rotation_rad > options.false_rad;
+    if (record.outcome == LoopOutcome::kDropped) {
+      ++evaluation.dropped;
+      evaluation.false_dropped += is_false;
+    }
     if (record.outcome != LoopOutcome::kAccepted) continue;
     ++score.accepted;
     ++evaluation.accepted;
-    evaluation.false_accepted +=
-        error.translation_m > options.false_m || error.rotation_rad > options.false_rad;
+    evaluation.false_accepted += is_false;
     errors_m.push_back(error.translation_m);
     errors_rad.push_back(error.rotation_rad);
     closed.insert(record.proposal.current);
@@ -92,7 +97,8 @@ std::string ToText(const LoopEvaluation& e) {
   std::ostringstream out;
   out << std::fixed << std::setprecision(3);
   out << "loops against the truth: " << e.accepted << " accepted, " << e.false_accepted
-      << " false; " << e.closed_keyframes << " of " << e.revisit_keyframes
+      << " false; " << e.dropped << " dropped in the end, " << e.false_dropped << " of them false; "
+      << e.closed_keyframes << " of " << e.revisit_keyframes
       << " revisiting keyframes closed; error p50 / p95 " << e.error_p50_m << " / " << e.error_p95_m
       << " m, " << RadToDeg(e.error_p50_rad) << " / " << RadToDeg(e.error_p95_rad) << " deg\n";
   for (int p = 0; p < kLoopProposers; ++p) {

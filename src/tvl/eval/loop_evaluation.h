@@ -14,7 +14,7 @@ namespace tvl {
 struct LoopEvaluationOptions {
   // A revisit: two keyframes within revisit_m by the truth, and so much later.
   double revisit_m = 10.0, min_time_s = 30.0, min_path_m = 50.0;
-  // An accepted loop is false if it is off by more than either.
+  // A loop is false if it is off by more than either.
   double false_m = 1.0, false_rad = 0.0873;  // 5 degrees
 };
 
@@ -39,6 +39,8 @@ struct LoopEvaluation {
   int revisit_keyframes = 0;  // that see a place again
   int closed_keyframes = 0;   // of them, with an accepted loop
   int accepted = 0, false_accepted = 0;
+  // Accepted at first, given up in the end: they bent the trajectory meanwhile.
+  int dropped = 0, false_dropped = 0;
   // Of accepted loops against the truth.
   double error_p50_m = 0.0, error_p95_m = 0.0, error_p50_rad = 0.0, error_p95_rad = 0.0;
   double recall() const {

@@ -41,12 +41,15 @@ TEST(EvaluateLoops, CountsWhatIsRightWrongAndMissed) {
       Record(20, 120, kLidar, LoopOutcome::kAccepted, truth, 0.1),
       Record(20, 120, kVisual, LoopOutcome::kCovered, truth, 0.0),
       Record(21, 121, kLidar, LoopOutcome::kAccepted, truth, 0.3),
-      Record(50, 130, kLidar, LoopOutcome::kRefused, truth, 0.0),   // 15 m or so apart
-      Record(60, 140, kVisual, LoopOutcome::kAccepted, truth, 2.0)  // false
-  };
+      Record(50, 130, kLidar, LoopOutcome::kRefused, truth, 0.0),    // 15 m or so apart
+      Record(60, 140, kVisual, LoopOutcome::kAccepted, truth, 2.0),  // false
+      Record(61, 141, kVisual, LoopOutcome::kDropped, truth, 2.0),   // false while it was in
+      Record(62, 142, kVisual, LoopOutcome::kDropped, truth, 0.1)};
   const LoopEvaluation e = EvaluateLoops(records, truth);
   EXPECT_EQ(e.accepted, 3);
   EXPECT_EQ(e.false_accepted, 1);
+  EXPECT_EQ(e.dropped, 2);
+  EXPECT_EQ(e.false_dropped, 1);
   // Everything from about 10 m before the start on.
   EXPECT_NEAR(e.revisit_keyframes, 110, 2);
   EXPECT_EQ(e.closed_keyframes, 3);
@@ -57,7 +60,8 @@ TEST(EvaluateLoops, CountsWhatIsRightWrongAndMissed) {
   EXPECT_EQ(lidar.keyframes_found, 2);
   EXPECT_NEAR(e.error_p50_m, 0.3, 1e-9);
   EXPECT_NEAR(e.error_p95_m, 2.0, 1e-9);
-  EXPECT_NE(ToText(e).find("3 accepted, 1 false"), std::string::npos);
+  EXPECT_NE(ToText(e).find("3 accepted, 1 false; 2 dropped in the end, 1 of them false"),
+            std::string::npos);
 }
 
 TEST(EvaluateLoops, RefusesKeyframesItHasNoTruthFor) {

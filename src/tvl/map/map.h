@@ -34,7 +34,7 @@ Rigid3d ToWorld(const Keyframe& anchor, const Rigid3d& T_odom_lidar);
 // by beyond that is spread over the frames between the two. Poses without anchor stay.
 Trajectory WorldTrajectory(const OdometryPath& path, const std::vector<Keyframe>& keyframes);
 
-// The keyframes where the odometry alone would have them: the first stays.
+// The keyframes where the odometry has them, before loops correct it: the first stays.
 std::vector<Keyframe> WithoutLoops(std::vector<Keyframe> keyframes);
 
 // The map in the world frame: all keyframe clouds at their poses, one point a voxel.

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "tvl/base/units.h"
+#include "tvl/slam/loop_support.h"
 
 namespace tvl {
 namespace {
@@ -64,6 +66,8 @@ json EvaluationToJson(const LoopEvaluation& e) {
               {"recall", e.recall()},
               {"accepted", e.accepted},
               {"false_accepted", e.false_accepted},
+              {"dropped", e.dropped},
+              {"false_dropped", e.false_dropped},
               {"error_p50_m", e.error_p50_m},
               {"error_p95_m", e.error_p95_m},
               {"error_p50_deg", RadToDeg(e.error_p50_rad)},
@@ -123,12 +127,28 @@ json LoopsToJson(const LoopReport& report, const std::vector<TrueKeyframe>& trut
     count = count.is_null() ? 1 : count.get<int>() + 1;
   }
   json out = {{"proposals", report.records.size()},
+              {"odometry_variance_factor", report.odometry_variance_factor},
               {"outcomes_by_proposer", counts},
               {"timing_per_keyframe", TimesToJson(report)}};
   if (!truth.empty()) {
     out["against_truth"] = EvaluationToJson(EvaluateLoops(report.records, truth));
   }
   return out;
+}
+
+PoseGraph FinalGraph(const LoopReport& report) {
+  std::set<std::pair<int, int>> dropped;
+  for (const LoopRecord& record : report.records) {
+    if (record.outcome != LoopOutcome::kDropped) continue;
+    dropped.emplace(record.proposal.history, record.proposal.current);
+  }
+  PoseGraph graph = WithOdometryVariance(report.graph, report.odometry_variance_factor);
+  const auto is_dropped = [&](const PoseConstraint& loop) {
+    return dropped.count({loop.from, loop.to}) > 0;
+  };
+  graph.loops.erase(std::remove_if(graph.loops.begin(), graph.loops.end(), is_dropped),
+                    graph.loops.end());
+  return graph;
 }
 
 std::string LoopSummary(const LoopReport& report) {

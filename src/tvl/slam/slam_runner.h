@@ -25,7 +25,7 @@ struct RunResult {
   Map map;
   LoopReport loops;
   std::string loop_fault;  // why the loop search ended before its time; empty: it did not
-  OdometryPath odometry;   // of the same frames, as if there had been no loop
+  OdometryPath odometry;   // of the same frames, before loops correct it
   DeskewDecision deskew;
   bool stopped = false;  // the observer said so
 };
