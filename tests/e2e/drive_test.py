@@ -11,9 +11,9 @@ from program import (OK, Folder, black_png, copy_sequence, distance, files_of, p
 
 LONG = 3000  # frames of a drive that is never finished
 FRAMES = 40
-RESULTS = ["loops.csv", "loops.png", "map.pcd", "map.ply", "map.png", "odometry_kitti.txt",
-           "resolved.yaml", "run.json", "trajectory_kitti.txt", "trajectory_tum.txt",
-           "truth_kitti.txt"]
+RESULTS = ["graph.g2o", "loops.csv", "loops.png", "map.pcd", "map.ply", "map.png",
+           "odometry_kitti.txt", "resolved.yaml", "run.json", "trajectory_kitti.txt",
+           "trajectory_tum.txt", "truth_kitti.txt"]
 folder = None
 
 

@@ -7,7 +7,7 @@ import unittest
 from program import OK, Folder, distance, png_size, poses, tvl
 
 DRIVE = "sim:lateloop?seed=5&camera=0&frames=420"
-RESULTS = ["trajectory_kitti.txt", "odometry_kitti.txt", "loops.csv", "map.pcd"]
+RESULTS = ["trajectory_kitti.txt", "odometry_kitti.txt", "loops.csv", "graph.g2o", "map.pcd"]
 folder = None
 
 
@@ -81,13 +81,27 @@ class Loops(unittest.TestCase):
 
     def test_without_loops_it_is_the_odometry(self):
         self.assertFalse((folder / "none" / "loops.csv").exists())
+        self.assertFalse((folder / "none" / "graph.g2o").exists())
         alone = poses(folder / "none" / "trajectory_kitti.txt")
         for a, b in zip(alone, poses(folder / "none" / "odometry_kitti.txt")):
             self.assertLess(distance(a, b), 1e-6)
 
+    def test_the_graph_is_that_of_the_loops(self):
+        lines = [line.split() for line in (folder / "one" / "graph.g2o").read_text().splitlines()]
+        poses_of_keyframes = [line for line in lines if line[0] == "VERTEX_SE3:QUAT"]
+        edges = [(int(line[1]), int(line[2])) for line in lines if line[0] == "EDGE_SE3:QUAT"]
+        accepted = {(int(row["history_keyframe"]), int(row["current_keyframe"]))
+                    for row in loops() if row["outcome"] == "accepted"}
+        chain = [(k - 1, k) for k in range(1, len(poses_of_keyframes))]
+        self.assertEqual(len(lines), len(poses_of_keyframes) + len(edges))
+        self.assertEqual(edges[:len(chain)], chain)
+        self.assertEqual(set(edges[len(chain):]), accepted)
+
     def test_report_and_pictures(self):
         report = json.loads((folder / "one" / "run.json").read_text())["loops"]
         self.assertEqual(report["against_truth"]["false_accepted"], 0)
+        self.assertEqual(report["against_truth"]["false_dropped"], 0)
+        self.assertGreaterEqual(report["odometry_variance_factor"], 1.0)
         self.assertGreater(report["against_truth"]["revisit_keyframes"], 0)
         self.assertGreater(report["timing_per_keyframe"]["verify"]["max_ms"], 0.0)
         self.assertIn("loops: ", (folder / "one" / "stdout.txt").read_text())

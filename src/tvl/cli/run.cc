@@ -18,6 +18,7 @@
 #include "tvl/cli/progress.h"
 #include "tvl/cli/version.h"
 #include "tvl/io/atomic_file.h"
+#include "tvl/io/g2o.h"
 #include "tvl/io/point_cloud_io.h"
 #include "tvl/io/trajectory_io.h"
 #include "tvl/report/loop_picture.h"
@@ -80,6 +81,8 @@ std::vector<Rigid3d> OdometryPoses(const RunResult& result, const Rigid3d& T_cam
 void WriteLoops(const fs::path& out, const RunResult& result, const RunContext& context) {
   WriteAtomically((out / "loops.csv").string(),
                   [&](std::ostream& file) { file << LoopTable(result.loops, context.truth); });
+  const PoseGraph graph = FinalGraph(result.loops);
+  if (!graph.T_world.empty()) WriteG2o((out / "graph.g2o").string(), graph);
   WritePicture(out / "loops.png", DrawLoops(result.map.keyframes, result.loops));
   int place = 0;
   for (const size_t i : MostTelling(result.map.keyframes, result.loops, kPlaces)) {
@@ -91,6 +94,7 @@ void WriteLoops(const fs::path& out, const RunResult& result, const RunContext& 
 // Of an earlier run into the same folder, which this one may not write.
 void RemoveOldLoops(const fs::path& out) {
   fs::remove(out / "loops.csv");
+  fs::remove(out / "graph.g2o");
   fs::remove(out / "loops.png");
   for (size_t i = 1; i <= kPlaces; ++i) {
     fs::remove(out / ("loop_place_" + std::to_string(i) + ".png"));
@@ -216,9 +220,9 @@ void AddRunCommand(CLI::App& app) {
       ->required();
   run->add_option(
          "--out", arguments->out,
-         "folder for trajectory_kitti.txt, trajectory_tum.txt, odometry_kitti.txt (without "
-         "loops), map.pcd, map.ply, map.png, loops.csv, loops.png, loop_place_*.png, "
-         "run.json, resolved.yaml, and truth_kitti.txt where the truth is known")
+         "folder for trajectory_kitti.txt, trajectory_tum.txt, odometry_kitti.txt "
+         "(before loops correct it), map.pcd, map.ply, map.png, loops.csv, graph.g2o, loops.png, "
+         "loop_place_*.png, run.json, resolved.yaml, and truth_kitti.txt where the truth is known")
       ->required();
   run->add_option("--config", arguments->config, "YAML file with options, see docs/options.md");
   run->add_option("--profile", arguments->profile,
