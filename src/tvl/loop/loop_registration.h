@@ -13,12 +13,14 @@
 namespace tvl {
 
 // Measured on true loops of simulated drives (NEES 0.3 to 1.1): most errors shared by residuals
-// average out over many scans; the floors stand for what bends within a submap.
+// average out over many scans. The floors stand for what bends within a submap: on a real street,
+// passes with an odometry each and seen from some metres apart, NEES is 1.5 to 2.3 with floors of
+// 2e-4 rad and 4 mm.
 inline CovarianceOptions ForLoops() {
   CovarianceOptions options;
   options.inflation = 4.0;
-  options.floor_rotation_rad = 2e-4;
-  options.floor_translation_m = 4e-3;
+  options.floor_rotation_rad = 5e-4;
+  options.floor_translation_m = 0.01;
   return options;
 }
 

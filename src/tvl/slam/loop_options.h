@@ -37,17 +37,17 @@ struct LoopConsistencyOptions {
   // moment, not while driving along it.
   int min_support = 2;
   double min_support_gap_m = 2.0, max_support_path_m = 40.0;
-  // What the graph contradicts may be right all the same, if odometry is worse than thought: up to
-  // three times the drift above (chi-square times nine), and only as a row of loops along so much
-  // path, each supported by others. One accepted, the graph follows.
-  double max_chi2_of_rows = 200.0;
-  double min_row_m = 30.0;
   // ... and of the comparisons made over max_doubt_path_m of path either way, at least this share
   // must have told: the others found the place ambiguous, things standing where the old pass saw
   // through, or a fit that the graph contradicts. Where streets are identical nearly all do, except
   // for some 60 m round each corner; on streets that are not, hardly any.
   double max_doubt_path_m = 500.0;
   double min_support_share = 0.75;
+  // What the graph contradicts may be right all the same, if odometry is worse than thought: up to
+  // three times the drift above (chi-square times nine), and only as a row of loops along so much
+  // path, each supported by others. One accepted, the graph follows.
+  double max_chi2_of_rows = 200.0;
+  double min_row_m = 30.0;
   void Check() const;
 };
 
