@@ -55,6 +55,23 @@ TEST(FindSupport, TakesLoopsThatAgreeAndLieApart) {
   EXPECT_EQ(support, (std::vector<size_t>{0, 3}));
 }
 
+// Near on one pass only: two visits of one place are not one row of street.
+TEST(FindSupport, AsksForLoopsThatAreNearOnBothPasses) {
+  const TwoRounds drive;
+  const auto exact = [](int from, int to) {
+    Vector6d motion = Vector6d::Zero();
+    motion[2] = (to - from) * 2.0 * 3.14159265358979 / kRound;
+    motion[3] = to - from;
+    return PoseConstraint{from, to, Rigid3d::Exp(motion), Information(0.002, 0.03)};
+  };
+  const std::vector<PoseConstraint> others = {exact(15, 170), exact(70, 112), exact(15, 115)};
+  EXPECT_EQ(FindSupport(exact(20, 120), others, drive.odometry, drive.path_m, {}),
+            (std::vector<size_t>{2}));
+  LoopConsistencyOptions anywhere;
+  anywhere.max_support_path_m = 1000.0;  // they agree: distance alone keeps them out
+  EXPECT_EQ(FindSupport(exact(20, 120), others, drive.odometry, drive.path_m, anywhere).size(), 3U);
+}
+
 // Measured as if the current keyframe were 5 m back: wrong, and in the same way everywhere.
 PoseConstraint Slid(int history, int current) {
   PoseConstraint loop = TwoRounds::Loop(history, current - 5, 0.0);

@@ -296,7 +296,11 @@ void SlamSystem::CloseLoops(const Executor& executor) {
   }
   const size_t lag = static_cast<size_t>(options_.loops.lag_keyframes);
   if (loop_fault_.empty() && loop_thread_.pending() <= lag) return;
-  Connect(ApplyNext(), executor);  // after a fault: lets go of earlier passes
+  try {
+    Connect(ApplyNext(), executor);        // after a fault: lets go of earlier passes
+  } catch (const std::exception& error) {  // an earlier pass cannot be read back
+    loop_fault_ = error.what();
+  }
 }
 
 std::vector<int> SlamSystem::ApplyNext() {

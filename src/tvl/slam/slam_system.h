@@ -79,6 +79,8 @@ class SlamSystem {
   // Of all frames, with every correction known by now.
   Trajectory trajectory() const { return WorldTrajectory(path_, map_.keyframes); }
   const OdometryPath& odometry_path() const { return path_; }
+  // What the next frame is registered against, in the odometry frame.
+  const LocalMap& local_map() const { return local_map_; }
   const Map& map() const { return map_; }
   // The preprocessed data of the last frame, for pictures.
   const PreprocessedFrame& last_frame() const { return last_; }
