@@ -21,10 +21,6 @@ std::shared_ptr<const Vocabulary> LoadVocabulary(const std::string& path) {
                                                          : ReadVocabulary(path));
 }
 
-// Odometry is not believed less than this in the polish: five times its standard deviation. With a
-// hundred in place of 25, a row of false loops was kept that true ones contradict.
-constexpr double kMaxVarianceFactor = 25.0;
-
 Matrix6d InformationOf(const Matrix6d& covariance) {
   return covariance.ldlt().solve(Matrix6d::Identity());
 }
@@ -418,9 +414,8 @@ bool LoopCloser::Impl::Polish() {
     }
   }
   report.odometry_variance_factor = OdometryVarianceFactor(std::move(innovations_sq));
-  const double factor = std::min(kMaxVarianceFactor, report.odometry_variance_factor);
-  const BatchPoseGraphResult result =
-      OptimizeBatch(WithOdometryVariance(report.graph, factor), options_.polish);
+  const BatchPoseGraphResult result = OptimizeBatch(
+      WithOdometryVariance(report.graph, report.odometry_variance_factor), options_.polish);
   report.graph.T_world = result.T_world;
   track_.T_world_lidar = result.T_world;
   for (size_t i = 0; i < loop_records_.size(); ++i) {

@@ -24,11 +24,14 @@ double GraphChi2(const PoseConstraint& loop, const Rigid3d& T_from_to_graph,
 
 double OdometryVarianceFactor(std::vector<double> innovations_sq) {
   constexpr double kMedianChi2Of6 = 5.348;
+  // Five standard deviations. With a factor of a hundred a row of false loops, the first of a
+  // drive, was kept against the true ones that followed.
+  constexpr double kMaxFactor = 25.0;
   if (innovations_sq.empty()) return 1.0;
   const auto middle =
       innovations_sq.begin() + static_cast<std::ptrdiff_t>(innovations_sq.size() / 2);
   std::nth_element(innovations_sq.begin(), middle, innovations_sq.end());
-  return std::max(1.0, *middle / kMedianChi2Of6);
+  return std::clamp(*middle / kMedianChi2Of6, 1.0, kMaxFactor);
 }
 
 PoseGraph WithOdometryVariance(PoseGraph graph, double factor) {
