@@ -16,7 +16,7 @@ double GraphChi2(const PoseConstraint& loop, const Rigid3d& T_from_to_graph,
                  const Matrix6d& graph_covariance, double linked_path_m,
                  const LoopConsistencyOptions& options);
 
-// How much larger the odometry's errors are, in variance, than its covariances say: at least 1.
+// How much larger the odometry's errors are, in variance, than its covariances say: 1 to 25.
 // From the innovations (squared, whitened by the graph's own covariance, chi-square of 6 if that is
 // right) of loops that ended a long way without any. Their upper median, since some loops may be
 // false.
