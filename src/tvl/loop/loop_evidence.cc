@@ -32,6 +32,26 @@ double TrimmedRms_m(std::vector<double> distances_m, double share) {
   return std::sqrt(sum / static_cast<double>(kept));
 }
 
+LoopFit MeasureFit(const LoopSource& source, const LoopSubmap& submap,
+                   const Rigid3d& T_odom_current) {
+  int met = 0, through = 0;
+  LoopFit fit;
+  for (const Eigen::Vector3f& point : source.raised) {
+    const Eigen::Vector3d p = T_odom_current * point.cast<double>();
+    if (!submap.CouldSee(p)) continue;
+    ++fit.raised;
+    if (submap.IsOccupied(p)) {
+      ++met;
+    } else if (submap.SawThrough(p)) {
+      ++through;
+    }
+  }
+  const double raised = std::max(1, fit.raised);
+  fit.overlap = met / raised;
+  fit.seen_through = through / raised;
+  return fit;
+}
+
 LoopEvidence MeasureEvidence(const LoopSource& source, const LoopSubmap& submap,
                              const Rigid3d& T_odom_current, const LoopEvidenceOptions& options) {
   std::vector<double> all_m, raised_m;
@@ -41,22 +61,9 @@ LoopEvidence MeasureEvidence(const LoopSource& source, const LoopSubmap& submap,
     all_m.push_back(Distance_m(submap.planes(), p, options.unmatched_m));
     if (source.plane_is_raised[i] != 0) raised_m.push_back(all_m.back());
   }
-  int met = 0, through = 0;
   LoopEvidence evidence;
-  for (const Eigen::Vector3f& point : source.raised) {
-    const Eigen::Vector3d p = T_odom_current * point.cast<double>();
-    if (!submap.CouldSee(p)) continue;
-    ++evidence.raised;
-    if (submap.IsOccupied(p)) {
-      ++met;
-    } else if (submap.SawThrough(p)) {
-      ++through;
-    }
-  }
+  evidence.fit = MeasureFit(source, submap, T_odom_current);
   evidence.planes = static_cast<int>(all_m.size());
-  const double raised = std::max(1, evidence.raised);
-  evidence.overlap = met / raised;
-  evidence.seen_through = through / raised;
   evidence.rms_m = TrimmedRms_m(std::move(all_m), options.trim_share);
   evidence.raised_rms_m = TrimmedRms_m(std::move(raised_m), options.trim_share);
   return evidence;

@@ -12,14 +12,23 @@ struct LoopEvidenceOptions {
   void Check() const;
 };
 
+// What fits and what contradicts, of what stands above the ground.
+struct LoopFit {
+  double overlap = 0.0;       // share of raised voxels in which the submap has a point
+  double seen_through = 0.0;  // share of raised voxels empty in the submap, which looked past them
+  int raised = 0;             // voxels judged: only those the submap could see
+};
+
 struct LoopEvidence {
   double rms_m = 0.0;         // trimmed, point to plane, all points
   double raised_rms_m = 0.0;  // of those above the ground: the ground fits everywhere
-  double overlap = 0.0;       // share of raised voxels in which the submap has a point
-  double seen_through = 0.0;  // share of raised voxels empty in the submap, which looked past them
-  // Points judged in rms_m, voxels in overlap: only those the submap could see.
-  int planes = 0, raised = 0;
+  int planes = 0;             // points judged in rms_m: only those the submap could see
+  LoopFit fit;
 };
+
+// Enough to tell one alignment from another; a third of the time of the whole evidence.
+LoopFit MeasureFit(const LoopSource& source, const LoopSubmap& submap,
+                   const Rigid3d& T_odom_current);
 
 LoopEvidence MeasureEvidence(const LoopSource& source, const LoopSubmap& submap,
                              const Rigid3d& T_odom_current, const LoopEvidenceOptions& options);

@@ -71,9 +71,9 @@ TEST(LoopEvidence, IsItsDefinition) {
     met += is_met ? 1 : 0;
     through += !is_met && f.submap.SawThrough(p) ? 1 : 0;
   }
-  EXPECT_EQ(evidence.raised, seen);
-  EXPECT_DOUBLE_EQ(evidence.overlap, static_cast<double>(met) / seen);
-  EXPECT_DOUBLE_EQ(evidence.seen_through, static_cast<double>(through) / seen);
+  EXPECT_EQ(evidence.fit.raised, seen);
+  EXPECT_DOUBLE_EQ(evidence.fit.overlap, static_cast<double>(met) / seen);
+  EXPECT_DOUBLE_EQ(evidence.fit.seen_through, static_cast<double>(through) / seen);
 }
 
 TEST(LoopEvidence, TheTruthFitsAndAShiftDoesNot) {
@@ -81,12 +81,12 @@ TEST(LoopEvidence, TheTruthFitsAndAShiftDoesNot) {
   const LoopEvidence truth = MeasureEvidence(f.source, f.submap, f.T_odom_current, {});
   EXPECT_LT(truth.rms_m, 0.05);
   EXPECT_LT(truth.raised_rms_m, 0.1);
-  EXPECT_GT(truth.overlap, 0.8);
+  EXPECT_GT(truth.fit.overlap, 0.8);
   const Rigid3d T_shifted = f.T_odom_current * Rigid3d::Translation(5.0, 0.5, 0.0);
   const LoopEvidence shifted = MeasureEvidence(f.source, f.submap, T_shifted, {});
   EXPECT_GT(shifted.raised_rms_m, 2.0 * truth.raised_rms_m);
-  EXPECT_LT(shifted.overlap, 0.4);
-  EXPECT_GT(shifted.seen_through, 3.0 * truth.seen_through);
+  EXPECT_LT(shifted.fit.overlap, 0.4);
+  EXPECT_GT(shifted.fit.seen_through, 3.0 * truth.fit.seen_through);
   EXPECT_LT(shifted.rms_m, shifted.raised_rms_m) << "the ground fits everywhere";
 }
 
@@ -95,8 +95,8 @@ TEST(LoopEvidence, OfAPlaceNeverSeenThereIsNone) {
   const Rigid3d T_far = f.T_odom_current * Rigid3d::Translation(0.0, 400.0, 0.0);
   const LoopEvidence evidence = MeasureEvidence(f.source, f.submap, T_far, {});
   EXPECT_EQ(evidence.planes, 0);
-  EXPECT_EQ(evidence.raised, 0);
-  EXPECT_EQ(evidence.overlap, 0.0);
+  EXPECT_EQ(evidence.fit.raised, 0);
+  EXPECT_EQ(evidence.fit.overlap, 0.0);
 }
 
 TEST(SeenRanges, AreTheFurthestInEachDirection) {

@@ -90,12 +90,12 @@ struct Scene {
 // A start after registration.
 struct Candidate {
   Rigid3d T_odom_current;
-  LoopEvidence evidence;
+  LoopFit fit;
 };
 
 // What fits less what contradicts.
 double FitOf(const Candidate& candidate) {
-  return std::max(0.0, candidate.evidence.overlap - candidate.evidence.seen_through);
+  return std::max(0.0, candidate.fit.overlap - candidate.fit.seen_through);
 }
 
 // Best first.
@@ -108,8 +108,7 @@ std::vector<Candidate> RegisterPeaks(const Scene& scene, const std::vector<BevPe
     Candidate candidate;
     candidate.T_odom_current = RegisterCoarsely(scene.source, scene.submap, start,
                                                 scene.options.registration, scene.executor);
-    candidate.evidence = MeasureEvidence(scene.source, scene.submap, candidate.T_odom_current,
-                                         scene.options.evidence);
+    candidate.fit = MeasureFit(scene.source, scene.submap, candidate.T_odom_current);
     candidates.push_back(candidate);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -188,26 +187,26 @@ Scene MakeScene(const LoopSource& source, const LoopSubmap& submap, const Rigid3
 LoopVerdict Decide(const Scene& scene, double coarse_score, const std::vector<Candidate>& starts) {
   const LoopRegistration fine = RegisterFinely(scene.source, scene.submap, starts[0].T_odom_current,
                                                scene.options.registration, scene.executor);
-  const Candidate best{
-      fine.T_odom_current,
-      MeasureEvidence(scene.source, scene.submap, fine.T_odom_current, scene.options.evidence)};
+  const LoopEvidence evidence =
+      MeasureEvidence(scene.source, scene.submap, fine.T_odom_current, scene.options.evidence);
+  const Candidate best{fine.T_odom_current, evidence.fit};
   LoopVerdict verdict;
   verdict.T_history_current = scene.T_odom_history.Inverse() * fine.T_odom_current;
   verdict.covariance = fine.covariance;
-  verdict.rms_m = best.evidence.rms_m;
-  verdict.raised_rms_m = best.evidence.raised_rms_m;
-  verdict.overlap = best.evidence.overlap;
-  verdict.seen_through = best.evidence.seen_through;
+  verdict.rms_m = evidence.rms_m;
+  verdict.raised_rms_m = evidence.raised_rms_m;
+  verdict.overlap = best.fit.overlap;
+  verdict.seen_through = best.fit.seen_through;
   verdict.ambiguity = Ambiguity(starts, best, scene.options.bev);
   verdict.coarse_score = coarse_score;
   verdict.translation_ratio = fine.translation_ratio;
   verdict.rotation_ratio = fine.rotation_ratio;
-  verdict.points = best.evidence.planes;
-  verdict.status = Judge(verdict, best.evidence.raised, scene.options);
+  verdict.points = evidence.planes;
+  verdict.status = Judge(verdict, best.fit.raised, scene.options);
   if (verdict.accepted()) {
     const std::vector<Candidate> rivals = FindRivals(scene, verdict.T_history_current);
     verdict.ambiguity = std::max(verdict.ambiguity, Ambiguity(rivals, best, scene.options.bev));
-    verdict.status = Judge(verdict, best.evidence.raised, scene.options);
+    verdict.status = Judge(verdict, best.fit.raised, scene.options);
   }
   verdict.reason = ReasonOf(verdict);
   return verdict;
