@@ -12,6 +12,7 @@
 namespace tvl {
 namespace {
 
+constexpr size_t kNoColumn = std::numeric_limits<size_t>::max();
 constexpr uint8_t kHit = 2, kBeside = 1;  // weights of a target's cell
 
 int CellOf(double x_m, double cell_m) { return static_cast<int>(std::floor(x_m / cell_m)); }
@@ -147,29 +148,34 @@ void BevAlignmentOptions::Check() const {
 std::vector<char> AboveGround(const std::vector<Eigen::Vector3f>& points, double height_m) {
   constexpr double kColumn_m = 1.0;
   struct Column {
+    size_t index = kNoColumn;
     float lowest = std::numeric_limits<float>::infinity();
   };
   VoxelHash<Column> columns;
-  std::vector<VoxelKey> keys(points.size());
+  std::vector<size_t> column_of(points.size());
+  VoxelKey last_key;
+  Column* last = nullptr;  // neighbours in a scan often share a column
   for (size_t i = 0; i < points.size(); ++i) {
-    keys[i] = VoxelKey::Of({points[i].x(), points[i].y(), 0.0}, kColumn_m);
-    float& lowest = columns[keys[i]].lowest;
-    lowest = std::min(lowest, points[i].z());
+    const VoxelKey key = VoxelKey::Of({points[i].x(), points[i].y(), 0.0}, kColumn_m);
+    if (last == nullptr || !(key == last_key)) last = &columns[key];
+    last_key = key;
+    if (last->index == kNoColumn) last->index = columns.size() - 1;
+    column_of[i] = last->index;
+    last->lowest = std::min(last->lowest, points[i].z());
   }
-  VoxelHash<Column> ground;
+  std::vector<float> ground_m(columns.size(), std::numeric_limits<float>::infinity());
   for (const auto& entry : columns.entries()) {
+    float& lowest = ground_m[entry.value.index];
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const Column* beside = columns.Find({entry.key.x + dx, entry.key.y + dy, 0});
-        if (beside == nullptr) continue;
-        float& lowest = ground[entry.key].lowest;
-        lowest = std::min(lowest, beside->lowest);
+        if (beside != nullptr) lowest = std::min(lowest, beside->lowest);
       }
     }
   }
   std::vector<char> raised(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
-    raised[i] = points[i].z() - ground.Find(keys[i])->lowest > height_m ? 1 : 0;
+    raised[i] = points[i].z() - ground_m[column_of[i]] > height_m ? 1 : 0;
   }
   return raised;
 }

@@ -63,7 +63,7 @@ void LoopSubmap::MoveTo(int centre, int end, const std::vector<Rigid3d>& T_odom_
     const std::shared_ptr<const KeyframeCloud> added = cloud(k);
     Change(*added, T, 1, executor);
     if (k % (options_.every_keyframe * options_.every_view) == 0)
-      views_.emplace(k, View{T.Inverse(), SeenRanges(*added)});
+      views_.emplace(k, View{T.t(), T.Inverse(), SeenRanges(*added)});
   }
   DropEmpty();
 }
@@ -116,13 +116,14 @@ bool LoopSubmap::IsOccupied(const Eigen::Vector3d& p_odom) const {
 }
 
 bool LoopSubmap::SawAtLeast(const Eigen::Vector3d& p_odom, double further_m) const {
+  constexpr double kRounding_m = 0.01;  // of the float range below, and much more
+  const double range_m = options_.view_range_m + kRounding_m;
   return std::any_of(views_.begin(), views_.end(), [&](const auto& entry) {
     const View& view = entry.second;
+    if ((p_odom - view.place_odom).squaredNorm() > range_m * range_m) return false;
     const Eigen::Vector3f p = (view.T_lidar_odom * p_odom).template cast<float>();
-    const double range_m = p.norm();
-    const double seen_m = view.seen.Towards(p);
-    const bool is_near = range_m < options_.view_range_m;
-    return is_near && seen_m > range_m + further_m;
+    const double distance_m = p.norm();
+    return distance_m < options_.view_range_m && view.seen.Towards(p) > distance_m + further_m;
   });
 }
 

@@ -73,6 +73,7 @@ class LoopSubmap {
   std::map<int, Rigid3d> members_;
   std::unique_ptr<SurfelMap> planes_, lines_;
   struct View {
+    Eigen::Vector3d place_odom;
     Rigid3d T_lidar_odom;
     SeenRanges seen;
   };

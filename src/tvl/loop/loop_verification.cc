@@ -129,7 +129,7 @@ double Ambiguity(const std::vector<Candidate>& others, const Candidate& best,
   return 0.0;
 }
 
-// Alignments round the one found, shifted but hardly turned.
+// Alignments round the one found, shifted but hardly turned, without itself.
 std::vector<Candidate> FindRivals(const Scene& scene, const Rigid3d& T_history_current) {
   BevSearch search;
   search.x_m = T_history_current.t().x();
@@ -137,8 +137,17 @@ std::vector<Candidate> FindRivals(const Scene& scene, const Rigid3d& T_history_c
   search.radius_m = scene.options.rival_radius_m;
   search.yaw_rad = YawOf(T_history_current);
   search.yaw_window_rad = scene.options.bev.yaw_step_rad;
-  return RegisterPeaks(scene, AlignBev(scene.target_above, scene.source_above, search,
-                                       scene.options.bev, scene.executor));
+  std::vector<BevPeak> peaks =
+      AlignBev(scene.target_above, scene.source_above, search, scene.options.bev, scene.executor);
+  // From a cell and a half off, registration comes back to it.
+  const double itself_m = 1.5 * scene.options.bev.cell_m;
+  peaks.erase(std::remove_if(peaks.begin(), peaks.end(),
+                             [&](const BevPeak& peak) {
+                               return std::hypot(peak.x_m - search.x_m, peak.y_m - search.y_m) <
+                                      itself_m;
+                             }),
+              peaks.end());
+  return RegisterPeaks(scene, peaks);
 }
 
 LoopStatus Judge(const LoopVerdict& v, int raised, const LoopVerificationOptions& options) {
