@@ -50,7 +50,7 @@ class VoxelHash {
 
   void Clear() {
     entries_.clear();
-    slots_.assign(kMinimumSlots, kEmpty);
+    slots_.assign(kMinimumSlots, Slot());
   }
   void Reserve(size_t n) {
     entries_.reserve(n);
@@ -59,49 +59,64 @@ class VoxelHash {
 
   // Null where the voxel is not there.
   const T* Find(const VoxelKey& key) const {
-    const uint32_t slot = slots_[Probe(key)];
-    return slot == kEmpty ? nullptr : &entries_[slot].value;
+    const uint32_t entry = slots_[Probe(key, HashOf(key))].entry;
+    return entry == kEmpty ? nullptr : &entries_[entry].value;
   }
   T* Find(const VoxelKey& key) {
-    const uint32_t slot = slots_[Probe(key)];
-    return slot == kEmpty ? nullptr : &entries_[slot].value;
+    const uint32_t entry = slots_[Probe(key, HashOf(key))].entry;
+    return entry == kEmpty ? nullptr : &entries_[entry].value;
   }
   // Inserts a default value where there is none.
   T& operator[](const VoxelKey& key) {
-    size_t place = Probe(key);
-    if (slots_[place] == kEmpty) {
+    const uint64_t hash = HashOf(key);
+    size_t place = Probe(key, hash);
+    if (slots_[place].entry == kEmpty) {
       if (2 * (entries_.size() + 1) > slots_.size()) {
         Grow();
-        place = Probe(key);
+        place = Probe(key, hash);
       }
-      slots_[place] = static_cast<uint32_t>(entries_.size());
+      slots_[place] = {static_cast<uint32_t>(entries_.size()), TagOf(hash)};
       entries_.push_back({key, T()});
     }
-    return entries_[slots_[place]].value;
+    return entries_[slots_[place].entry].value;
   }
 
  private:
   static constexpr uint32_t kEmpty = 0xffffffffu;
   static constexpr size_t kMinimumSlots = 1024;
 
-  size_t Probe(const VoxelKey& key) const {
-    uint64_t h = key.Packed() * 0x9e3779b97f4a7c15ULL;
-    h ^= h >> 32;
+  // Most probes end here: an entry, which lies elsewhere in memory, is read only if tags agree.
+  struct Slot {
+    uint32_t entry = kEmpty;
+    uint32_t tag = 0;
+  };
+
+  static uint64_t HashOf(const VoxelKey& key) {
+    const uint64_t h = key.Packed() * 0x9e3779b97f4a7c15ULL;
+    return h ^ (h >> 32);
+  }
+  static uint32_t TagOf(uint64_t hash) { return static_cast<uint32_t>(hash >> 32); }
+
+  // Where the key is, or the empty slot where it would be.
+  size_t Probe(const VoxelKey& key, uint64_t hash) const {
     const size_t mask = slots_.size() - 1;
-    size_t place = static_cast<size_t>(h) & mask;
-    while (slots_[place] != kEmpty && !(entries_[slots_[place]].key == key)) {
+    const uint32_t tag = TagOf(hash);
+    size_t place = static_cast<size_t>(hash) & mask;
+    while (slots_[place].entry != kEmpty &&
+           !(slots_[place].tag == tag && entries_[slots_[place].entry].key == key)) {
       place = (place + 1) & mask;
     }
     return place;
   }
   void Grow() {
-    slots_.assign(2 * slots_.size(), kEmpty);
+    slots_.assign(2 * slots_.size(), Slot());
     for (size_t i = 0; i < entries_.size(); ++i) {
-      slots_[Probe(entries_[i].key)] = static_cast<uint32_t>(i);
+      const uint64_t hash = HashOf(entries_[i].key);
+      slots_[Probe(entries_[i].key, hash)] = {static_cast<uint32_t>(i), TagOf(hash)};
     }
   }
 
-  std::vector<uint32_t> slots_;
+  std::vector<Slot> slots_;
   std::vector<Entry> entries_;
 };
 

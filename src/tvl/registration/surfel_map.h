@@ -39,8 +39,8 @@ class SurfelMap {
 
  private:
   struct Cell {
+    Surfel surfel;  // first: lookups read its head, next to the key
     PointMoments moments;
-    Surfel surfel;
     bool dirty = false;          // touched by the change in progress
     bool counted_empty = false;  // in Level::empty
   };
