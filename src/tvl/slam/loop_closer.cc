@@ -254,7 +254,9 @@ void LoopCloser::Impl::Weigh(size_t index) {
   record.chi2 =
       GraphChi2(loop, record.T_history_current_graph, graph_.RelativeCovariance(loop.from, loop.to),
                 record.linked_path_m, options);
-  record.innovation_sq = graph_.InnovationSq(loop);
+  if (record.linked_path_m > options.linked_path_m) {
+    record.innovation_sq = graph_.InnovationSq(loop);
+  }
   const bool is_contradicted = !(record.chi2 <= options.max_chi2);
   const Pending pending{loop, index};
   if (!is_contradicted && record.linked_path_m <= options.linked_path_m) {

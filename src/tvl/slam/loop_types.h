@@ -38,7 +38,7 @@ struct LoopRecord {
   std::string reason;               // why not accepted; empty for accepted and covered
   LoopOutcome outcome = LoopOutcome::kNotVerified;
   double chi2 = 0.0;  // against the graph and what odometry may drift, 6 degrees of freedom
-  double innovation_sq = 0.0;  // the same by the graph's own covariance alone
+  double innovation_sq = 0.0;  // by the graph's own covariance alone; 0 for ends linked closely
   double linked_path_m = 0.0;  // between the two when the loop was proposed
   // Path driven when the row of loops began of which each supports the next, up to this one.
   double row_start_m = 0.0;
