@@ -1,0 +1,1 @@
+"""What benchmarks/ and tests/accuracy share; needs Python 3 only."""
