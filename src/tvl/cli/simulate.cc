@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "tvl/cli/commands.h"
 #include "tvl/cli/progress.h"
@@ -13,7 +14,8 @@ namespace {
 struct SimulateArguments {
   std::string out;
   sim::SimOptions options;
-  std::string raw = "none", tunnel, open, night;
+  std::string raw = "none", tunnel, open, night, road = "rich";
+  std::optional<int> frames;
   int threads = 2;
   bool no_camera = false;
 };
@@ -22,6 +24,8 @@ sim::SimOptions Resolve(const SimulateArguments& arguments) {
   sim::SimOptions options = arguments.options;
   options.raw = sim::ParseSpin(arguments.raw);
   options.has_camera = !arguments.no_camera;
+  options.road = sim::ParseRoad(arguments.road);
+  options.frames = arguments.frames.value_or(sim::DefaultFrames(options));
   if (!arguments.tunnel.empty())
     options.tunnel = sim::ParseFrameRange(arguments.tunnel, "--tunnel");
   if (!arguments.open.empty()) options.open = sim::ParseFrameRange(arguments.open, "--open");
@@ -36,10 +40,8 @@ void Simulate(const SimulateArguments& arguments) {
     sim::WriteDrive(drive, arguments.out, arguments.threads,
                     [&](size_t done) { progress.Update(done, "simulate"); });
   }
-  std::cout << drive.size() << " frames, "
-            << static_cast<int>(drive.drive().travel.Way_m(static_cast<double>(drive.size() - 1) *
-                                                           sim::kFrameInterval_s))
-            << " m, in " << arguments.out << "\n";
+  std::cout << drive.size() << " frames, " << static_cast<int>(drive.Length_m()) << " m, in "
+            << arguments.out << "\n";
 }
 
 }  // namespace
@@ -51,14 +53,15 @@ void AddSimulateCommand(CLI::App& app) {
       "simulate", "Simulate a drive: camera, lidar and truth, in KITTI's layout");
   command->add_option("--out", arguments->out, "Folder to write")->required();
   command
-      ->add_option("--preset", o.preset,
-                   "city loop reverse traffic aliasing nightloop lateloop tunnel open")
+      ->add_option(
+          "--preset", o.preset,
+          "city loop reverse traffic aliasing nightloop lateloop tunnel open jam passing highway")
       ->capture_default_str();
   command->add_option("--trajectory", o.trajectory_file,
                       "KITTI poses to drive along instead of the preset's route");
   command->add_option("--seed", o.seed, "Decides everything random")->capture_default_str();
-  command->add_option("--frames", o.frames, "10 a second; 0: all of --trajectory")
-      ->capture_default_str();
+  command->add_option("--frames", arguments->frames,
+                      "10 a second; 0: all of --trajectory; default: 300, or the whole highway");
   command->add_option("--raw", arguments->raw,
                       "Scans as measured, not compensated: spin of the scanner, cw or ccw");
   command->add_option("--tunnel", arguments->tunnel, "Frames A:B lead through a tunnel");
@@ -71,6 +74,18 @@ void AddSimulateCommand(CLI::App& app) {
   command
       ->add_option("--lateral", o.lateral_m,
                    "Later laps lead this far left of the first, m (0..2.5; loop presets only)")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--speed", o.speed_m_s,
+          "Drive at this speed from the first frame on, m/s (1..40), along a straight road")
+      ->capture_default_str();
+  command->add_option("--road", arguments->road, "Of highway: rich, poor or wet")
+      ->capture_default_str();
+  command->add_option("--faster", o.faster, "Of tunnel: after its stop this share faster, e.g. 0.4")
+      ->capture_default_str();
+  command->add_flag("--turn", o.is_turning, "With --speed: begin in the middle of a long bend");
+  command->add_option("--beams", o.beams, "Of the lidar: 16, 32 or 64 (HDL-64E)")
       ->capture_default_str();
   command->add_flag("--clean", o.clean, "A lidar without errors");
   command->add_flag("--no-camera", arguments->no_camera, "Lidar only: much faster");

@@ -22,7 +22,9 @@ struct Town {
 
   explicit Town(double lateral_m = 0.0) : drive(PlanDrive(Options(lateral_m), Rigid3d())) {
     prototypes = BuildPrototypes(3);
-    description = BuildTown(drive.route, drive.terrain, prototypes, {3, false, false, {}});
+    TownOptions town;
+    town.seed = 3;
+    description = BuildTown(drive.route, drive.terrain, prototypes, town);
   }
   static SimOptions Options(double lateral_m) {
     SimOptions options;

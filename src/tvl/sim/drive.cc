@@ -6,6 +6,7 @@
 
 #include "tvl/base/check.h"
 #include "tvl/io/trajectory_io.h"
+#include "tvl/sim/lane_presets.h"
 
 namespace tvl::sim {
 namespace {
@@ -25,6 +26,15 @@ VehicleOptions VehicleFor(const SimOptions& options) {
   VehicleOptions vehicle;
   if (options.preset == "tunnel" || !options.tunnel.IsEmpty()) vehicle.tunnel_variation = 0.3;
   if (options.preset == "open") vehicle.cruise_m_s = 14.0;
+  vehicle.faster_after_stop = options.faster;
+  const double speed_m_s =
+      options.preset == "highway" ? HighwaySpeed_m_s(options) : options.speed_m_s;
+  if (speed_m_s > 0.0) {
+    vehicle.cruise_m_s = speed_m_s;
+    vehicle.variation = 0.05;                                // +-1 %: a speed held
+    vehicle.lateral_m_s2 = 3.0;                              // the bends are made for the speed
+    vehicle.roughness_m *= std::min(1.0, 11.0 / speed_m_s);  // fast roads are smoother
+  }
   return vehicle;
 }
 
@@ -61,6 +71,48 @@ double Duration_s(const SimOptions& options) {
   return options.frames * kFrameInterval_s + kAhead_s;
 }
 
+// Among the lanes of a jam, or standing between two of them.
+PlannedRoute PlanInLanes(const SimOptions& options) {
+  constexpr double kTick_s = 0.05;
+  const double duration_s = options.frames * kFrameInterval_s;
+  RoadOptions road;
+  road.ahead_m = 350.0 + 3.0 * duration_s;
+  road.winding_radius_m = 900.0;
+  road.has_side_streets = false;  // their kerbs would reach into the wider road
+  Route route = PlanRoad(options.seed, road);
+  std::vector<double> way_m;
+  const JamFlows jam = PlanJam(options.seed, duration_s);
+  for (double t = 0.0; t < Duration_s(options); t += kTick_s) {
+    way_m.push_back(route.start_m + (options.preset == "jam" ? jam.ego.Way_m(t) : 0.0));
+  }
+  return {std::move(route), TravelProfile(std::move(way_m), kTick_s)};
+}
+
+PlannedRoute PlanHighway(const SimOptions& options) {
+  constexpr double kSight_m = 400.0;
+  const VehicleOptions vehicle = VehicleFor(options);
+  RoadOptions road;
+  const double driven_m = options.frames * kFrameInterval_s * 1.02 * vehicle.cruise_m_s;
+  road.ahead_m = kSight_m + std::max(kHighway_m, driven_m);
+  road.winding_radius_m = 1500.0;  // 0.8 m/s^2 across at 35 m/s
+  road.has_side_streets = false;
+  Route route = PlanRoad(options.seed, road);
+  TravelProfile travel(route, vehicle, options.seed, Duration_s(options));
+  return {std::move(route), std::move(travel)};
+}
+
+// A road to begin at speed on.
+PlannedRoute PlanAtSpeed(const SimOptions& options) {
+  const VehicleOptions vehicle = VehicleFor(options);
+  RoadOptions road;
+  road.ahead_m = Duration_s(options) * 1.05 * vehicle.cruise_m_s + 50.0;
+  if (options.is_turning) road.bend_radius_m = BendRadius_m(options.speed_m_s);
+  road.has_side_streets = options.preset != "open";
+  Route route = PlanRoad(options.seed, road);
+  TravelProfile travel(route, vehicle, options.seed, Duration_s(options));
+  return {std::move(route), std::move(travel)};
+}
+
 PlannedRoute PlanSized(const SimOptions& options, double closing_m) {
   const VehicleOptions vehicle = VehicleFor(options);
   const double duration_s = Duration_s(options);
@@ -73,6 +125,9 @@ PlannedRoute PlanSized(const SimOptions& options, double closing_m) {
 // How far the vehicle gets depends on corners and stops, and these on the size of the block: the
 // size is searched for at which the loop closes when it should.
 PlannedRoute PlanPreset(const SimOptions& options) {
+  if (options.preset == "jam" || options.preset == "passing") return PlanInLanes(options);
+  if (options.preset == "highway") return PlanHighway(options);
+  if (options.speed_m_s > 0.0) return PlanAtSpeed(options);
   const double closing_s = ClosingTime_s(options);
   const bool is_loop = IsLoopPreset(options.preset);
   if (!is_loop && options.preset != "reverse") return PlanSized(options, 0.0);
@@ -191,12 +246,20 @@ Drive PlanAlongFile(const SimOptions& options, const Rigid3d& T_cam0_lidar) {
                      kFrameInterval_s),
           static_cast<int>(poses.size()),
           options.night,
+          {},
+          {},
           {}};
+}
+
+StreetProfile ProfileFor(const SimOptions& options) {
+  if (options.preset == "jam" || options.preset == "passing") return FourLanes();
+  return options.preset == "highway" ? Highway(options.road) : StreetProfile();
 }
 
 Drive PlanOwn(const SimOptions& options) {
   const bool is_flat = options.preset == "tunnel";
-  const Terrain terrain = is_flat ? Terrain() : Terrain::Rolling(options.seed);
+  const double steepness = options.preset == "highway" ? 0.3 : 1.0;  // built level
+  const Terrain terrain = is_flat ? Terrain() : Terrain::Rolling(options.seed, steepness);
   PlannedRoute planned = PlanPreset(options);
   PoseSpline spline(DrivePreset(planned, terrain, options), -kSpareFrames * kFrameInterval_s,
                     kFrameInterval_s);
@@ -210,7 +273,9 @@ Drive PlanOwn(const SimOptions& options) {
           std::move(spline),
           options.frames,
           night,
-          {}};
+          {},
+          {},
+          ProfileFor(options)};
 }
 
 }  // namespace
@@ -222,6 +287,10 @@ Drive PlanDrive(const SimOptions& options, const Rigid3d& T_cam0_lidar) {
   if (!options.tunnel.IsEmpty()) {
     drive.route.tunnel_begin_m = way(options.tunnel.begin);
     drive.route.tunnel_end_m = std::max(way(options.tunnel.begin) + 1.0, way(options.tunnel.end));
+  }
+  if (options.preset == "highway") {
+    const double begin_m = drive.route.start_m + kHighwayBefore_m;
+    drive.bare_m.emplace_back(begin_m, begin_m + kHighwayBare_m);
   }
   if (!options.open.IsEmpty()) {
     drive.open_m.emplace_back(way(options.open.begin), way(options.open.end));

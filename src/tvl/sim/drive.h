@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "tvl/sim/ground.h"
 #include "tvl/sim/pose_spline.h"
 #include "tvl/sim/route.h"
 #include "tvl/sim/sim_options.h"
@@ -23,6 +24,8 @@ struct Drive {
   int frames = 0;
   FrameRange night;                               // of the preset or as asked for
   std::vector<std::pair<double, double>> open_m;  // stretches of the lane without a town
+  std::vector<std::pair<double, double>> bare_m;  // and with nothing upright at all
+  StreetProfile profile;
 };
 
 // Plans the drive of a preset or along a pose file. T_cam0_lidar: of the sensors, for pose files.

@@ -10,6 +10,7 @@
 
 #include "tvl/base/check.h"
 #include "tvl/base/parallel.h"
+#include "tvl/base/units.h"
 #include "tvl/io/atomic_file.h"
 #include "tvl/io/trajectory_io.h"
 #include "tvl/io/velodyne_bin.h"
@@ -71,9 +72,12 @@ void WriteMeta(const SimDataset& drive, const fs::path& path) {
       {"trajectory", fs::path(o.trajectory_file).filename().string()},
       {"seed", o.seed},
       {"frames", drive.size()},
-      {"length_m",
-       drive.drive().travel.Way_m(static_cast<double>(drive.size() - 1) * kFrameInterval_s)},
+      {"length_m", drive.Length_m()},
       {"raw", SpinName(o.raw)},
+      {"beams", o.beams},
+      {"speed_m_s", o.speed_m_s},
+      {"turn", o.is_turning},
+      {"faster", o.faster},
       {"clean", o.clean},
       {"camera", o.has_camera},
       {"changes", o.changes},
@@ -84,6 +88,19 @@ void WriteMeta(const SimDataset& drive, const fs::path& path) {
       {"vertical_correction_rad", drive.setup().lidar.vertical_correction_rad},
   };
   WriteAtomically(path.string(), [&](std::ostream& out) { out << meta.dump(2) << "\n"; });
+}
+
+// For --profile: a folder is else taken for one of an HDL-64E.
+void WriteLidarProfile(const LidarModel& lidar, const fs::path& path) {
+  WriteAtomically(path.string(), [&](std::ostream& out) {
+    out << "lidar:\n  name: " << lidar.name << "\n  beam_elevation_deg: [";
+    for (int i = 0; i < lidar.rows(); ++i) {
+      out << (i == 0 ? "" : ", ") << RadToDeg(lidar.beam_elevation_rad[static_cast<size_t>(i)]);
+    }
+    out << "]\n  columns: " << lidar.columns << "\n  sweep_s: " << lidar.sweep_s
+        << "\n  range_sigma_m: " << lidar.range_sigma_m << "\n  min_range_m: " << lidar.min_range_m
+        << "\n  max_range_m: " << lidar.max_range_m << "\n";
+  });
 }
 
 void WriteTimes(const SimDataset& drive, const fs::path& path) {
@@ -110,6 +127,9 @@ void WriteDrive(const SimDataset& drive, const std::string& folder, int threads,
   });
   WriteCalibration(drive.setup().calibration, root / "calib.txt");
   WriteTimes(drive, root / "times.txt");
+  if (drive.options().beams != 64) {
+    WriteLidarProfile(drive.setup().lidar, root / "lidar.yaml");
+  }
   WriteKittiPoses((root / "poses.txt").string(), drive.Truth_T_first_cam0());
   WriteMeta(drive, root / "meta.json");
 }

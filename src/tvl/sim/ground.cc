@@ -13,8 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kFineCell_m = 1.5;    // resolves kerbs at crossings
-constexpr double kFineReach_m = 36.0;  // as far as things stand beside a street
+constexpr double kFineCell_m = 1.5;  // resolves kerbs at crossings
 constexpr double kCoarseCell_m = 12.0;
 constexpr double kCoarseMargin_m = 160.0;  // the lidar sees 80-120 m
 constexpr double kCoarseDrop_m = 0.35;     // keeps the coarse sheet below the fine one
@@ -26,20 +25,20 @@ struct Corner {
 };
 using Piece = std::vector<Corner>;
 
-// Distance from the nodes of a regular grid to the nearest axis, up to kFineReach_m.
+// Distance from the nodes of a regular grid to the nearest axis, up to reach_m.
 class DistanceGrid {
  public:
-  explicit DistanceGrid(const std::vector<Polyline>& axes) {
+  DistanceGrid(const std::vector<Polyline>& axes, double reach_m) : reach_m_(reach_m) {
     Vector2d low = axes[0].points()[0], high = low;
     for (const Polyline& axis : axes) {
       for (const Vector2d& p : axis.points()) low = low.cwiseMin(p), high = high.cwiseMax(p);
     }
-    const double margin = kFineReach_m + 2.0 * kFineCell_m;
+    const double margin = reach_m_ + 2.0 * kFineCell_m;
     origin_ = low.array() - margin;
     columns_ = static_cast<int>((high.x() - low.x() + 2 * margin) / kFineCell_m) + 2;
     rows_ = static_cast<int>((high.y() - low.y() + 2 * margin) / kFineCell_m) + 2;
     distance_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_),
-                     static_cast<float>(kFineReach_m + 1.0));
+                     static_cast<float>(reach_m_ + 1.0));
     for (const Polyline& axis : axes) {
       for (size_t i = 0; i + 1 < axis.points().size(); ++i) {
         AddSegment(axis.points()[i], axis.points()[i + 1]);
@@ -59,8 +58,8 @@ class DistanceGrid {
   void AddSegment(const Vector2d& a, const Vector2d& b) {
     const Vector2d ab = b - a;
     const auto first = [&](double v) { return std::max(0, static_cast<int>(v / kFineCell_m)); };
-    const Vector2d low = a.cwiseMin(b).array() - kFineReach_m - origin_.array();
-    const Vector2d high = a.cwiseMax(b).array() + kFineReach_m - origin_.array();
+    const Vector2d low = a.cwiseMin(b).array() - reach_m_ - origin_.array();
+    const Vector2d high = a.cwiseMax(b).array() + reach_m_ - origin_.array();
     const int x_end = std::min(columns_ - 1, static_cast<int>(high.x() / kFineCell_m) + 1);
     const int y_end = std::min(rows_ - 1, static_cast<int>(high.y() / kFineCell_m) + 1);
     for (int y = first(low.y()); y <= y_end; ++y) {
@@ -74,6 +73,7 @@ class DistanceGrid {
     }
   }
 
+  double reach_m_;
   Vector2d origin_;
   int columns_ = 0, rows_ = 0;
   std::vector<float> distance_;
@@ -114,11 +114,11 @@ class GroundBuilder {
   // Cuts a piece along the borders of the street's profile.
   void Add(const Piece& piece) {
     const Split road = SplitAt(piece, profile_.half_road_m);
-    AddFlat(road.near, Material::kAsphalt, 0.0);
-    if (!road.border.empty()) AddKerbFace(road.border);
+    AddFlat(road.near, profile_.road, 0.0);
+    if (!road.border.empty() && profile_.kerb_height_m > 0.0) AddKerbFace(road.border);
     if (road.far.size() < 3) return;
     const Split kerb = SplitAt(road.far, profile_.half_road_m + profile_.kerb_width_m);
-    AddFlat(kerb.near, Material::kKerb, kAbove);
+    AddFlat(kerb.near, profile_.kerb, kAbove);
     if (kerb.far.size() < 3) return;
     const Split pavement = SplitAt(kerb.far, profile_.pavement_end_m);
     AddFlat(pavement.near, Material::kPavement, kAbove);
@@ -132,8 +132,9 @@ class GroundBuilder {
 
   Vector3f Lift(const Corner& c, double offset_m) const {
     const double d = c.distance_m + offset_m;
-    const double bumps =
-        d > profile_.pavement_end_m ? Bumps(c.p, d - profile_.pavement_end_m) : 0.0;
+    const double bumps = d > profile_.pavement_end_m
+                             ? profile_.bumps * Bumps(c.p, d - profile_.pavement_end_m)
+                             : 0.0;
     return Vector3d(c.p.x(), c.p.y(), c.p.z() + ProfileHeight(profile_, d) + bumps).cast<float>();
   }
 
@@ -191,6 +192,32 @@ bool IsPainted(const std::vector<Dash>& painted, const Dash& dash) {
 
 }  // namespace
 
+StreetProfile FourLanes() {
+  StreetProfile profile;
+  profile.half_road_m = 7.0;
+  profile.pavement_end_m = 9.2;
+  profile.lines_m = {-kLaneWidth_m, 0.0, kLaneWidth_m};
+  return profile;
+}
+
+StreetProfile Highway(RoadSurface surface) {
+  StreetProfile profile;
+  profile.kerb_height_m = 0.0;
+  profile.kerb_width_m = 0.2;  // the line at the edge
+  profile.pavement_end_m = profile.half_road_m + profile.kerb_width_m;
+  profile.bumps = 0.25;
+  profile.fine_reach_m = 100.0;  // no edge of the ground within the lidar's range
+  profile.kerb = Material::kRoadMarking;
+  profile.dash_m = 6.0, profile.dash_period_m = 18.0;
+  profile.road = Material::kRichAsphalt;
+  if (surface == RoadSurface::kWet) profile.road = Material::kWetAsphalt;
+  if (surface == RoadSurface::kPoor) {
+    profile.road = profile.kerb = Material::kSmoothAsphalt;
+    profile.dash_m = 3.0, profile.dash_period_m = 24.0;
+  }
+  return profile;
+}
+
 double ProfileHeight(const StreetProfile& p, double distance_m) {
   if (distance_m < p.half_road_m) return -p.camber * distance_m * distance_m;
   const double kerb = -p.camber * p.half_road_m * p.half_road_m + p.kerb_height_m;
@@ -200,7 +227,7 @@ double ProfileHeight(const StreetProfile& p, double distance_m) {
 Mesh BuildGround(const std::vector<Polyline>& axes, const Terrain& terrain,
                  const StreetProfile& profile) {
   TVL_CHECK(!axes.empty()) << "no streets";
-  const DistanceGrid grid(axes);
+  const DistanceGrid grid(axes, profile.fine_reach_m);
   GroundBuilder builder(profile);
   const auto corner = [&](int x, int y) {
     const Vector2d p = grid.Place(x, y);
@@ -208,7 +235,7 @@ Mesh BuildGround(const std::vector<Polyline>& axes, const Terrain& terrain,
   };
   for (int y = 0; y + 1 < grid.rows(); ++y) {
     for (int x = 0; x + 1 < grid.columns(); ++x) {
-      if (grid.At(x, y) > kFineReach_m && grid.At(x + 1, y + 1) > kFineReach_m) continue;
+      if (std::min(grid.At(x, y), grid.At(x + 1, y + 1)) > profile.fine_reach_m) continue;
       const Corner a = corner(x, y), b = corner(x + 1, y), c = corner(x + 1, y + 1),
                    d = corner(x, y + 1);
       builder.Add({a, b, c});
@@ -222,27 +249,32 @@ Mesh BuildGround(const std::vector<Polyline>& axes, const Terrain& terrain,
 
 Mesh BuildMarkings(const std::vector<Polyline>& axes, const Terrain& terrain,
                    const StreetProfile& profile) {
-  constexpr double kDash_m = 3.0, kPeriod_m = 9.0, kHalfWidth_m = 0.06, kPiece_m = 0.75;
+  constexpr double kHalfWidth_m = 0.06, kPiece_m = 0.75;
   constexpr double kAbove_m = 0.008;  // paint, above the facets of the road
   Mesh mesh;
   std::vector<Dash> painted;
-  const auto place = [&](const Polyline& axis, double s, double side) {
-    const Vector2d t = axis.Tangent(s), p = axis.At(s) + side * Vector2d(-t.y(), t.x());
-    return Vector3d(p.x(), p.y(), terrain.Height(p) + ProfileHeight(profile, 0.0) + kAbove_m)
-        .cast<float>()
-        .eval();
+  // Across the line's own middle, which lies `left` of the axis.
+  const auto place = [&](const Polyline& axis, double s, double left, double across) {
+    const Vector2d t = axis.Tangent(s), p = axis.At(s) + (left + across) * Vector2d(-t.y(), t.x());
+    const double height = ProfileHeight(profile, std::abs(left));
+    return Vector3d(p.x(), p.y(), terrain.Height(p) + height + kAbove_m).cast<float>().eval();
+  };
+  const auto paint = [&](const Polyline& axis, double s, double left) {
+    for (double at = s; at < s + profile.dash_m - 1e-9; at += kPiece_m) {
+      const double end = at + kPiece_m;
+      mesh.AddQuad(place(axis, at, left, -kHalfWidth_m), place(axis, end, left, -kHalfWidth_m),
+                   place(axis, end, left, kHalfWidth_m), place(axis, at, left, kHalfWidth_m),
+                   Material::kRoadMarking);
+    }
   };
   for (size_t line = 0; line < axes.size(); ++line) {
     const Polyline& axis = axes[line];
-    for (double s = line == 0 ? 0.0 : 10.0; s < axis.length_m() - kDash_m; s += kPeriod_m) {
+    for (double s = line == 0 ? 0.0 : 10.0; s < axis.length_m() - profile.dash_m;
+         s += profile.dash_period_m) {
       const Dash dash{axis.At(s), static_cast<int>(line), s};
       if (IsPainted(painted, dash)) continue;
       painted.push_back(dash);
-      for (double at = s; at < s + kDash_m - 1e-9; at += kPiece_m) {
-        mesh.AddQuad(place(axis, at, -kHalfWidth_m), place(axis, at + kPiece_m, -kHalfWidth_m),
-                     place(axis, at + kPiece_m, kHalfWidth_m), place(axis, at, kHalfWidth_m),
-                     Material::kRoadMarking);
-      }
+      for (const double left : profile.lines_m) paint(axis, s, left);
     }
   }
   return mesh;

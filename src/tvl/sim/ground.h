@@ -19,7 +19,23 @@ struct StreetProfile {
   double pavement_end_m = 7.6;   // 2 m of slabs
   double camber = 0.0025;        // height = -camber * d^2, 1/m
   double pavement_slope = 0.02;  // falls to the road
+  double bumps = 1.0;            // of the ground behind it: 1 as beside a street, 0.06 m
+  double fine_reach_m = 36.0;    // as far as things stand beside a street
+  Material road = Material::kAsphalt, kerb = Material::kKerb;
+  // Dashed lines: how far left of the axis, and how long at which distance.
+  std::vector<double> lines_m = {0.0};
+  double dash_m = 3.0, dash_period_m = 9.0;
 };
+
+// One-way road of four lanes of kLaneWidth_m; the driven lane is the second from the right.
+inline constexpr double kLaneWidth_m = 3.5;
+StreetProfile FourLanes();
+
+// A road out of towns: verges without kerbs, mown and even. What it is paved with decides how much
+// there is to see on it: rich has repairs, cracks and lines; poor is smooth, with few lane marks
+// only; wet is dark, and the lidar loses most of its returns beyond 20 m.
+enum class RoadSurface { kRich, kPoor, kWet };
+StreetProfile Highway(RoadSurface surface);
 
 // Height of the surface over the terrain at a distance from the nearest axis, m.
 double ProfileHeight(const StreetProfile& profile, double distance_m);
@@ -28,7 +44,7 @@ double ProfileHeight(const StreetProfile& profile, double distance_m);
 Mesh BuildGround(const std::vector<Polyline>& axes, const Terrain& terrain,
                  const StreetProfile& profile);
 
-// Dashed centre lines on the axes, world frame..
+// The dashed lines along the axes, world frame.
 Mesh BuildMarkings(const std::vector<Polyline>& axes, const Terrain& terrain,
                    const StreetProfile& profile);
 

@@ -92,4 +92,13 @@ void PutOpenRoad(const StreetSide& side, Rng* rng, Site* site) {
   }
 }
 
+void PlantTreeLine(const StreetSide& side, Rng* rng, Site* site) {
+  const Prototypes& p = site->prototypes();
+  for (double s = side.begin_m; s < side.end_m; s += rng->Uniform(3.0, 12.0)) {
+    if (rng->Uniform() < 0.03) s += rng->Uniform(20.0, 90.0);  // a gap
+    const uint32_t tree = rng->Uniform() < 0.7 ? p.big_tree.Pick(rng) : p.conifer.Pick(rng);
+    PlaceSmall(tree, side, s, rng->Uniform(118.0, 150.0), 1.0, site);
+  }
+}
+
 }  // namespace tvl::sim

@@ -12,5 +12,7 @@ void PutFurniture(const StreetSide& side, Rng* rng, Site* site);
 void PutLampsAlike(const StreetSide& side, Site* site);
 // Delineator posts and a rare tree: an open road.
 void PutOpenRoad(const StreetSide& side, Rng* rng, Site* site);
+// Trees farther from the street than a lidar sees: what closes the view over open country.
+void PlantTreeLine(const StreetSide& side, Rng* rng, Site* site);
 
 }  // namespace tvl::sim

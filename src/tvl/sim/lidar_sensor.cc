@@ -28,6 +28,14 @@ constexpr HiddenBlob kHidden[] = {
     {31, 63, 6, 2.5},  {135, 61, 6, 4}, {233, 61, 6, 4}, {326, 62, 6, 3},  // rack
 };
 
+// The row of an HDL-64E (2 deg to -8.33 deg, -8.83 deg to -24.33 deg, 32 rows each) that looks
+// where a beam looks; rows go on above and below.
+int RowOfHdl64(double elevation_deg) {
+  const double upper = 3.0 * (2.0 - elevation_deg);
+  const double lower = 32.0 + 2.0 * (-8.8333333 - elevation_deg);
+  return static_cast<int>(std::lround(elevation_deg > -8.58 ? upper : lower));
+}
+
 // Random numbers of mean exactly 0: what all beams have in common is not theirs.
 std::vector<double> Biases(int count, double sigma, Rng* rng) {
   std::vector<double> biases;
@@ -114,7 +122,8 @@ LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& opti
   range_bias_m_ = Biases(model_.rows(), scale * options_.beam_range_sigma_m, &rng);
   elevation_bias_rad_ = Biases(model_.rows(), scale * options_.beam_elevation_sigma_rad, &rng);
   gain_ = Biases(model_.rows(), scale * options_.beam_gain_sigma, &rng);
-  for (int row = 0; row < model_.rows(); ++row) {
+  for (const double elevation_rad : model_.beam_elevation_rad) {
+    const int row = RowOfHdl64(RadToDeg(elevation_rad));
     for (size_t i = 0; i < static_cast<size_t>(options_.columns); ++i) {
       hidden_.push_back(options_.has_errors && IsHiddenByCar(RadToDeg(Azimuth(i)), row));
     }
@@ -155,6 +164,9 @@ float LidarSensor::Return(const SceneHit& hit, const Vector3f& direction, float 
   if (options_.has_errors) {
     if (Unit(draw) < static_cast<float>(options_.loss_share)) return -1.0F;
     if (Unit(draw >> 12) < surface.mirror * (1.25F - 0.5F * cosine)) return -1.0F;
+    const float grazing = 1.0F - cosine;
+    const float mirrored = surface.film * grazing * grazing * grazing * grazing * grazing;
+    if (surface.film > 0.0F && Unit(draw >> 36) < mirrored) return -1.0F;
     // What comes back falls with the square of the range and, less than Lambert's law says, with
     // the incidence; near the threshold some pulses make it.
     const float r = hit.range_m / static_cast<float>(options_.reach_m);

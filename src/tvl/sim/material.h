@@ -34,6 +34,10 @@ enum class Material : uint8_t {
   kSkin,
   kTunnelWall,
   kTunnelFixture,  // lamps and cables of a tunnel (texture only, no relief)
+  kTarpaulin,      // sides of lorries: cloth with letters
+  kRichAsphalt,    // of a highway: repairs and cracks
+  kSmoothAsphalt,  // new, without marks
+  kWetAsphalt,
   kCount
 };
 
@@ -44,6 +48,9 @@ struct LidarSurface {
   float reflectivity = 0.3F;  // diffuse, 0..1
   float variation = 0.2F;     // relative spread of the reflectivity over the surface
   float mirror = 0.0F;        // share of pulses lost to specular reflection or transmission, 0..1
+  // A film of water: loses film * (1 - cosine of the incidence)^5 of the pulses, at most all: how
+  // the share mirrored away by a smooth surface grows (Schlick 1994, equation 15).
+  float film = 0.0F;
 };
 
 LidarSurface LidarSurfaceOf(Material material);

@@ -120,7 +120,7 @@ Vector2d StreetSide::Outwards(double s_m) const {
 }
 
 Vector2d StreetSide::At(double s_m, double distance_m) const {
-  return axis->At(s_m) + distance_m * Outwards(s_m);
+  return axis->At(s_m) + (setback_m + distance_m) * Outwards(s_m);
 }
 
 void FillPlots(const StreetSide& side, Rng* rng, Site* site) {

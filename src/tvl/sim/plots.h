@@ -10,6 +10,7 @@ struct StreetSide {
   const Polyline* axis;
   double side;  // +1 left, -1 right of the axis
   double begin_m, end_m;
+  double setback_m = 0.0;  // added to all distances
   // A point beside the street.
   Eigen::Vector2d At(double s_m, double distance_m) const;
   Eigen::Vector2d Outwards(double s_m) const;  // unit, away from the street

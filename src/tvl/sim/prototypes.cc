@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "tvl/sim/lorry.h"
 #include "tvl/sim/plants.h"
 
 namespace tvl::sim {
@@ -10,6 +11,11 @@ namespace {
 constexpr uint64_t kPrototypeStream = 401;
 
 }  // namespace
+
+double Prototypes::LengthOf_m(uint32_t prototype) const {
+  if (prototype < lorry.first) return ShapeOf(prototype).length_m;
+  return LorryLength_m(static_cast<int>(prototype - lorry.first));
+}
 
 Prototypes BuildPrototypes(uint64_t seed) {
   Rng rng(seed, kPrototypeStream);
@@ -42,6 +48,7 @@ Prototypes BuildPrototypes(uint64_t seed) {
   p.van = add(2, [&](int i) { return car(4 + i); });
   p.pedestrian = add(4, [](int i) { return BuildPedestrian(1.6 + 0.08 * i, 0.33 * i); });
   p.cyclist = add(1, [](int) { return BuildCyclist(); });
+  p.lorry = add(kLorryKinds, BuildLorry);
   return p;
 }
 

@@ -24,9 +24,12 @@ struct Prototypes {
   PrototypeRange big_tree;                         // crowns of 3-4 m, for parks and backyards
   PrototypeRange lamp, sign, bin, bollard, cabinet, bench, fence, wall;
   PrototypeRange car, van, pedestrian, cyclist;
+  PrototypeRange lorry;              // kinds of BuildLorry
   std::vector<CarShape> car_shapes;  // of car, then van
   // Shape of a prototype out of car or van.
   const CarShape& ShapeOf(uint32_t prototype) const { return car_shapes[prototype - car.first]; }
+  // Of a prototype out of car, van or lorry.
+  double LengthOf_m(uint32_t prototype) const;
 };
 
 Prototypes BuildPrototypes(uint64_t seed);

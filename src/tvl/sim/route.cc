@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 
-constexpr uint64_t kRouteStream = 201, kSideStreetStream = 202;
+constexpr uint64_t kRouteStream = 201, kSideStreetStream = 202, kRoadStream = 203;
 constexpr double kSampling_m = 0.5;
 
 // Gently bends a street grid, so that streets are no rulers.
@@ -147,6 +147,36 @@ void AddSideStreets(uint64_t seed, Route* route) {
   }
 }
 
+// A line through the origin along x there, from its curvature (1/m, to the left) by distance.
+template <typename Curvature>
+Polyline LineOfCurvature(double behind_m, double ahead_m, const Curvature& curvature) {
+  const auto walk = [&](double length_m, double sign) {
+    std::vector<Vector2d> points = {Vector2d::Zero()};
+    double heading = 0.0;
+    for (double s = 0.0; s < length_m; s += kSampling_m) {
+      const double turn = sign * kSampling_m * curvature(sign * (s + 0.5 * kSampling_m));
+      const double middle = heading + 0.5 * turn;
+      points.push_back(points.back() +
+                       sign * kSampling_m * Vector2d(std::cos(middle), std::sin(middle)));
+      heading += turn;
+    }
+    return points;
+  };
+  const std::vector<Vector2d> back = walk(behind_m, -1.0), ahead = walk(ahead_m, 1.0);
+  std::vector<Vector2d> points(back.rbegin(), back.rend());
+  points.insert(points.end(), ahead.begin() + 1, ahead.end());
+  return Polyline(std::move(points));
+}
+
+// Where along a line it comes nearest to a point.
+double NearestWay_m(const Polyline& line, const Vector2d& p) {
+  size_t best = 0;
+  for (size_t i = 0; i < line.points().size(); ++i) {
+    if ((line.points()[i] - p).squaredNorm() < (line.points()[best] - p).squaredNorm()) best = i;
+  }
+  return line.s_m()[best];
+}
+
 // A stop before about every fifth corner sharper than 45 degrees.
 std::vector<double> ChooseStops(const Polyline& lane, Rng* rng) {
   std::vector<double> stops;
@@ -200,6 +230,37 @@ Route PlanRoute(const std::string& preset, uint64_t seed, double travel_m, doubl
   if (preset == "open") return route;
   route.stops_m = ChooseStops(route.lane, &rng);
   if (preset != "aliasing") AddSideStreets(seed, &route);
+  return route;
+}
+
+double BendRadius_m(double speed_m_s) {
+  constexpr double kAcross_m_s2 = 2.5, kSmallest_m = 20.0;
+  return std::max(kSmallest_m, speed_m_s * speed_m_s / kAcross_m_s2);
+}
+
+Route PlanRoad(uint64_t seed, const RoadOptions& o) {
+  // 75 degrees of bend on both sides of the start, easing in and out over a fifth of that.
+  constexpr double kHalfBend_rad = 1.3, kEasing = 0.2;
+  Rng rng(seed, kRoadStream);
+  const double sign = rng.Uniform() < 0.5 ? 1.0 : -1.0;
+  const double half_m = kHalfBend_rad * o.bend_radius_m;
+  const double phase = rng.Uniform(0.0, 2.0 * kPi);
+  const auto curvature = [&](double s) {
+    constexpr double kWinding_m = 1200.0;
+    if (o.winding_radius_m > 0.0) {
+      return std::sin(2.0 * kPi * s / kWinding_m + phase) / o.winding_radius_m;
+    }
+    if (o.bend_radius_m == 0.0) return 0.0;
+    const double left_m = half_m - std::abs(s);
+    return sign / o.bend_radius_m * std::clamp(left_m / (kEasing * half_m), 0.0, 1.0);
+  };
+  const Polyline axis = LineOfCurvature(std::max(o.behind_m, half_m + 100.0), o.ahead_m, curvature);
+  Route route;
+  route.lane = axis.Shifted(-kLaneOffset_m).Resampled(kSampling_m);
+  route.start_m = NearestWay_m(route.lane, {0.0, -kLaneOffset_m});
+  route.axes.push_back(axis.Extended(60.0).Resampled(kSampling_m));
+  // In a narrow bend they would run into the street itself.
+  if (o.has_side_streets && o.bend_radius_m == 0.0) AddSideStreets(seed, &route);
   return route;
 }
 

@@ -181,6 +181,7 @@ struct SceneView::Impl {
                       SceneHit hit) const {
     const Mover& mover = movers[r.hit.instID[0][lane]];
     hit.object = mover.object;
+    hit.is_mover = true;
     hit.material = (*mover.materials)[r.hit.primID[lane]];
     const RowMajor34f T = (1.0F - share) * mover.T_begin + share * mover.T_end;
     Finish(T, direction, {r.hit.Ng_x[lane], r.hit.Ng_y[lane], r.hit.Ng_z[lane]}, &hit);

@@ -28,6 +28,7 @@ struct SceneHit {
   Material material = Material::kAsphalt;
   // Identifies the thing hit (a house, a car, a tree, a piece of street); the same in every view.
   uint32_t object = 0;
+  bool is_mover = false;  // told of by the MoverSource
   float range_m = 0.0F;
   Eigen::Vector3f p_world = Eigen::Vector3f::Zero();
   // The object's own frame: textures given in it are stuck to things that move. Houses: x along

@@ -7,13 +7,10 @@
 #include "tvl/sensor/dataset.h"
 #include "tvl/sim/drive.h"
 #include "tvl/sim/scene.h"
+#include "tvl/sim/sensors.h"
 #include "tvl/sim/sim_options.h"
 
 namespace tvl::sim {
-
-// Sensors like those of KITTI odometry 00: HDL-64E (kitti profile) and camera 0, 1241 x 376.
-// A sensor without errors (options.clean) needs no vertical correction.
-SensorSetup SensorsFor(const SimOptions& options);
 
 // Frames are made when asked for, any one at a time. Const and thread-safe.
 class SimDataset : public Dataset {
@@ -25,11 +22,14 @@ class SimDataset : public Dataset {
   const SensorSetup& setup() const override { return setup_; }
   size_t size() const override { return static_cast<size_t>(drive_.frames); }
   SensorFrame Frame(size_t index) const override;
+  Timestamp Stamp(size_t index) const override;
   std::vector<Rigid3d> Truth_T_first_cam0() const override;
 
   const SimOptions& options() const { return options_; }
   const Drive& drive() const { return drive_; }
   const Scene& scene() const;
+  // Way from the first frame to the last.
+  double Length_m() const;
   // True pose of the lidar in the world of the scene, at the stamp of a frame.
   Rigid3d Truth_T_world_lidar(size_t index) const;
 

@@ -11,6 +11,7 @@
 #include "tvl/geometry/point_index.h"
 #include "tvl/geometry/rigid3_matchers.h"
 #include "tvl/io/kitti_dataset.h"
+#include "tvl/io/profile.h"
 #include "tvl/io/temp_folder.h"
 #include "tvl/io/test_data.h"
 #include "tvl/sim/drive_writer.h"
@@ -212,6 +213,20 @@ TEST(SimDatasetTest, WrittenDriveReadsBackTheSame) {
   EXPECT_THAT(read.setup().calibration.T_cam0_lidar,
               Rigid3dNear(data.setup().calibration.T_cam0_lidar, 1e-7, 1e-9));
   EXPECT_THAT(read.Truth_T_first_cam0()[2], Rigid3dNear(data.Truth_T_first_cam0()[2], 1e-7, 1e-6));
+}
+
+TEST(SimDatasetTest, FewerBeamsAreWrittenWithTheirProfile) {
+  SimOptions options = LidarOnly("city", 1);
+  options.beams = 16;
+  const SimDataset data(options);
+  const TempFolder folder;
+  WriteDrive(data, folder.path().string(), 1, [](size_t) {});
+  const LidarModel lidar = LoadProfile(folder / "lidar.yaml");
+  EXPECT_THAT(
+      lidar.beam_elevation_rad,
+      ::testing::Pointwise(::testing::DoubleNear(1e-6), data.setup().lidar.beam_elevation_rad));
+  EXPECT_EQ(KittiDataset(folder.path().string(), lidar, {}).Frame(0).scan->size(),
+            data.Frame(0).scan->size());
 }
 
 TEST(SimDatasetTest, DrivesAlongKittiPoses) {

@@ -58,6 +58,35 @@ TEST(SimUriTest, PlacesMayChangeBetweenPasses) {
   EXPECT_THAT(ErrorOf("sim:loop?lateral=1&trajectory=a.txt"), HasSubstr("lateral: only for loop"));
 }
 
+TEST(SimUriTest, SpeedAndSensorsCanBeChosen) {
+  const SimOptions o = ParseSimUri("sim:traffic?speed=15&turn=1&beams=32&faults=late:3,0.1;equal");
+  EXPECT_EQ(o.speed_m_s, 15.0);
+  EXPECT_TRUE(o.is_turning);
+  EXPECT_EQ(o.beams, 32);
+  EXPECT_TRUE(o.HasRings());
+  EXPECT_EQ(o.faults, "late:3,0.1;equal");
+  EXPECT_FALSE(ParseSimUri("sim:city").HasRings());
+  EXPECT_THAT(ErrorOf("sim:city?beams=48"), HasSubstr("beams: want 16, 32 or 64"));
+  EXPECT_THAT(ErrorOf("sim:city?speed=60"), HasSubstr("speed: want 1..40"));
+  EXPECT_THAT(ErrorOf("sim:loop?speed=10"), HasSubstr("speed: only for city"));
+  EXPECT_THAT(ErrorOf("sim:city?speed=10&trajectory=a.txt"), HasSubstr("speed: only for city"));
+  EXPECT_THAT(ErrorOf("sim:city?turn=1"), HasSubstr("turn: needs a speed"));
+  EXPECT_THAT(ErrorOf("sim:city?faults=lose:3"), HasSubstr("fault 'lose:3': unknown"));
+}
+
+TEST(SimUriTest, HighwayAndTunnelHaveKeysOfTheirOwn) {
+  EXPECT_EQ(ParseSimUri("sim:highway").frames, 600) << "1500 m at 25 m/s";
+  EXPECT_EQ(ParseSimUri("sim:highway?speed=35").frames, 429);
+  EXPECT_EQ(ParseSimUri("sim:highway?frames=20").frames, 20);
+  EXPECT_EQ(ParseSimUri("sim:highway?road=wet").road, RoadSurface::kWet);
+  EXPECT_EQ(ParseSimUri("sim:tunnel?faster=0.4").faster, 0.4);
+  EXPECT_THAT(ErrorOf("sim:highway?road=dry"), HasSubstr("road: want rich, poor or wet"));
+  EXPECT_THAT(ErrorOf("sim:city?road=wet"), HasSubstr("road: only for highway"));
+  EXPECT_THAT(ErrorOf("sim:city?faster=0.4"), HasSubstr("faster: only for tunnel"));
+  EXPECT_THAT(ErrorOf("sim:tunnel?faster=2"), HasSubstr("faster: want 0..1"));
+  EXPECT_THAT(ErrorOf("sim:jam?tunnel=5:9"), HasSubstr("not for jam"));
+}
+
 TEST(SimUriTest, NamesWhatIsWrong) {
   EXPECT_THAT(ErrorOf("sim:city?sed=7"), HasSubstr("unknown key 'sed'"));
   EXPECT_THAT(ErrorOf("sim:village"), HasSubstr("preset: unknown 'village'"));

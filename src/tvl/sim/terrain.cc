@@ -71,7 +71,7 @@ void Splat(const std::vector<Vector3d>& samples, const Vector2d& origin, double 
 
 }  // namespace
 
-Terrain Terrain::Rolling(uint64_t seed) {
+Terrain Terrain::Rolling(uint64_t seed, double steepness) {
   Rng rng(seed, kTerrainStream);
   Terrain terrain;
   for (int i = 0; i < 5; ++i) {
@@ -79,7 +79,8 @@ Terrain Terrain::Rolling(uint64_t seed) {
     const double k = 2.0 * kPi / wavelength;
     // Slope amplitude 0.4-1.0 % each.
     terrain.waves_.push_back({k * Vector2d(std::cos(direction), std::sin(direction)),
-                              rng.Uniform(0.004, 0.010) / k, rng.Uniform(0.0, 2.0 * kPi)});
+                              steepness * rng.Uniform(0.004, 0.010) / k,
+                              rng.Uniform(0.0, 2.0 * kPi)});
   }
   return terrain;
 }

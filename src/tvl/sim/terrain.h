@@ -12,8 +12,8 @@ namespace tvl::sim {
 class Terrain {
  public:
   Terrain() = default;  // flat, at height 0
-  // Gently rolling: waves of 150-350 m with slopes of up to about 3 %.
-  static Terrain Rolling(uint64_t seed);
+  // Gently rolling: waves of 150-350 m with slopes of up to about 3 % (times `steepness`).
+  static Terrain Rolling(uint64_t seed, double steepness = 1.0);
   // Through measured heights (x, y, z) along a drive; places visited twice get one height. Beyond
   // the drive the height levels out.
   static Terrain Through(const std::vector<Eigen::Vector3d>& samples);

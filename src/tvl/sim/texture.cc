@@ -120,10 +120,9 @@ float TownTextures::Albedo(const SurfacePoint& at) const {
   return AlbedoOf(same);
 }
 
-float TownTextures::AlbedoOf(const SurfacePoint& at) const {
+// Of what is driven, walked or looked down on.
+float TownTextures::GroundAlbedo(const SurfacePoint& at) const {
   switch (at.material) {
-    case Material::kAsphalt:
-      return Asphalt(at);
     case Material::kRoadMarking:
       return RoadMarking(at);
     case Material::kPavement:
@@ -134,6 +133,29 @@ float TownTextures::AlbedoOf(const SurfacePoint& at) const {
       return Ground(at, grass_, 0.30F, 1.0F);
     case Material::kSoil:
       return Ground(at, asphalt_, 0.22F, 0.9F);
+    case Material::kRichAsphalt:
+      return RichAsphalt(at);
+    case Material::kSmoothAsphalt:
+      return PlainAsphalt(at, 0.28F, 0.1F);
+    case Material::kWetAsphalt:
+      return PlainAsphalt(at, 0.12F, 0.15F);
+    default:
+      return Asphalt(at, true);
+  }
+}
+
+float TownTextures::AlbedoOf(const SurfacePoint& at) const {
+  switch (at.material) {
+    case Material::kAsphalt:
+    case Material::kRoadMarking:
+    case Material::kPavement:
+    case Material::kKerb:
+    case Material::kGrass:
+    case Material::kSoil:
+    case Material::kRichAsphalt:
+    case Material::kSmoothAsphalt:
+    case Material::kWetAsphalt:
+      return GroundAlbedo(at);
     case Material::kPlaster:
       return Facade(at, plaster_, 0.30F + 0.5F * OfObject(at.object, 1), 0.65F);
     case Material::kBrick:
@@ -170,6 +192,8 @@ float TownTextures::AlbedoOf(const SurfacePoint& at) const {
       return TunnelWall(at);
     case Material::kTunnelFixture:
       return 1.0F;
+    case Material::kTarpaulin:
+      return Tarpaulin(at);
     case Material::kCount:
       break;
   }
@@ -177,7 +201,7 @@ float TownTextures::AlbedoOf(const SurfacePoint& at) const {
 }
 
 // Rectangular repairs of another tone and manhole covers lie in cells of 7 m.
-float TownTextures::Asphalt(const SurfacePoint& at) const {
+float TownTextures::Asphalt(const SurfacePoint& at, bool has_lids) const {
   const TextureFootprint f = OnSurface(at);
   float base = Modulate(0.32F, noise_.Sample(f.u_m / 9.0F, f.v_m / 9.0F, Extent(f) / 9.0F), 0.2F);
   constexpr float kCell_m = 7.0F;
@@ -193,13 +217,34 @@ float TownTextures::Asphalt(const SurfacePoint& at) const {
   if (pick < 0.45F) {
     const float patch = Within(x, -half_x, half_x, wx) * Within(y, -half_y, half_y, wy);
     base *= Mix(1.0F, 0.6F + 0.75F * OfCell(cx, cy, 4), patch);
-  } else if (pick < 0.65F) {
+  } else if (has_lids && pick < 0.65F) {
     const float r = std::sqrt(x * x + y * y);
     const float lid = Above(-r, -0.34F, Extent(f));
     const float ring = lid * Within(r, 0.24F, 0.29F, Extent(f));
     base *= Mix(1.0F, 0.55F, lid) * Mix(1.0F, 1.8F, ring);
   }
   return Modulate(base, asphalt_.Sample(f), 0.75F);
+}
+
+// Cracks sealed with tar run where two slowly varying fields have their middle values.
+float TownTextures::RichAsphalt(const SurfacePoint& at) const {
+  const TextureFootprint f = OnSurface(at);
+  constexpr float kStretch = 3.0F;  // of the pattern: cracks some metres apart
+  const float width = 0.012F + 0.05F * Extent(f);
+  float seal = 0.0F;
+  for (const float shift : {0.0F, 0.37F}) {
+    TextureFootprint g = f;
+    Shift(g, shift, shift);
+    const float field =
+        noise_.Sample(g.u_m / kStretch, g.v_m / (2.0F * kStretch), Extent(f) / kStretch);
+    seal = std::max(seal, 1.0F - std::abs(field - 0.5F) / width);
+  }
+  const float visible = Above(-Extent(f), -0.4F, 0.4F);
+  return Asphalt(at, false) * (1.0F - 0.6F * std::clamp(seal, 0.0F, 1.0F) * visible);
+}
+
+float TownTextures::PlainAsphalt(const SurfacePoint& at, float base, float contrast) const {
+  return Modulate(base, asphalt_.Sample(OnSurface(at)), contrast);
 }
 
 float TownTextures::RoadMarking(const SurfacePoint& at) const {
@@ -349,6 +394,25 @@ float TownTextures::Clothing(const SurfacePoint& at) const {
   const float tone =
       Mix(0.06F + 0.25F * OfObject(at.object, 11), 0.08F + 0.7F * OfObject(at.object, 12), upper);
   return Modulate(tone, noise_.SampleScaled(f, 2.0F, 2.0F), 1.0F);
+}
+
+// Folds, and a line of letters half a metre wide made of blocks; from afar their average.
+float TownTextures::Tarpaulin(const SurfacePoint& at) const {
+  const TextureFootprint f = OnSurface(at);
+  const float random = OfObject(at.object, 13);
+  const float base = 0.15F + 0.5F * random;
+  constexpr float kLetter_m = 0.55F, kBlock_m = 0.14F, kLow_m = 2.1F, kHigh_m = 2.95F;
+  const float x = at.p_object.x(), z = at.p_object.z();
+  const float width = Extent(f);
+  const int letter = Cell(x, kLetter_m);
+  const bool is_drawn = OfCell(letter, 0, at.object * 4U + 1) < 0.7F;
+  const bool is_ink = OfCell(Cell(x, kBlock_m), Cell(z, 0.2F), at.object * 4U + 2) < 0.55F;
+  const float in_line = Within(z, kLow_m, kHigh_m, width);
+  const float crisp = Above(-width, -kBlock_m, kBlock_m);
+  const float ink = in_line * (is_drawn ? Mix(0.55F, is_ink ? 1.0F : 0.0F, crisp) : 0.0F);
+  const float fold = Bars(x, 1.15F, 0.04F, std::abs(at.major_m.x()) + at.minor_m);
+  const float cloth = Modulate(base, noise_.SampleScaled(f, 1.5F, 1.5F), 0.25F);
+  return Mix(cloth * (1.0F - 0.35F * fold), base > 0.4F ? 0.07F : 0.7F, ink);
 }
 
 // Panels of one period each show another part of the lining, so that no sign comes twice in sight.

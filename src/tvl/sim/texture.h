@@ -43,7 +43,10 @@ class TownTextures {
 
  private:
   float AlbedoOf(const SurfacePoint& at) const;
-  float Asphalt(const SurfacePoint& at) const;
+  float GroundAlbedo(const SurfacePoint& at) const;
+  float Asphalt(const SurfacePoint& at, bool has_lids) const;
+  float RichAsphalt(const SurfacePoint& at) const;
+  float PlainAsphalt(const SurfacePoint& at, float base, float contrast) const;
   float RoadMarking(const SurfacePoint& at) const;
   float Ground(const SurfacePoint& at, const TextureTile& tile, float base, float contrast) const;
   float Kerb(const SurfacePoint& at) const;
@@ -58,6 +61,7 @@ class TownTextures {
   float CarGlass(const SurfacePoint& at) const;
   float CarTrim(const SurfacePoint& at) const;
   float Clothing(const SurfacePoint& at) const;
+  float Tarpaulin(const SurfacePoint& at) const;
   float TunnelWall(const SurfacePoint& at) const;
 
   // A fixed random number in 0..1 of an object.

@@ -48,11 +48,12 @@ class TownBuilder {
       }
       PutFurniture(side, rng, site_);
       PlantAvenue(side, rng, site_);
-      ParkCars(side, rng, site_);
+      if (options_.has_parked_cars) ParkCars(side, rng, site_);
     });
     Sides([&](const StreetSide& side, Rng* rng) {
       if (!options_.is_repeating) FillBackyards(side, rng, site_);
     });
+    if (!options_.has_street_ends) return;
     Rng rng(options_.seed, kTownStream + 7);
     for (const Polyline& axis : route_.axes) {
       CloseStreetEnd(axis, false, &rng, site_);
@@ -71,8 +72,17 @@ class TownBuilder {
     }
     for (const Span& span : spans) {
       for (const double side : {1.0, -1.0}) {
-        PutOpenRoad({&route_.axes[0], side, span.first, span.second}, &rng, site_);
+        PutOpenRoad({&route_.axes[0], side, span.first, span.second, options_.setback_m}, &rng,
+                    site_);
       }
+    }
+  }
+
+  void FillBare() {
+    if (options_.bare_m.empty()) return;
+    Rng rng(options_.seed, kTownStream + 9);
+    for (const double side : {1.0, -1.0}) {
+      PlantTreeLine({&route_.axes[0], side, 0.0, route_.axes[0].length_m(), 0.0}, &rng, site_);
     }
   }
 
@@ -85,8 +95,10 @@ class TownBuilder {
     Rng rng(options_.seed, kTownStream + stream_++);
     std::vector<Span> holes;
     const double offset = AxisOffset();
-    for (const Span& open : options_.open_m) {
-      holes.emplace_back(open.first + offset, open.second + offset);
+    for (const std::vector<Span>* spans : {&options_.open_m, &options_.bare_m}) {
+      for (const Span& span : *spans) {
+        holes.emplace_back(span.first + offset, span.second + offset);
+      }
     }
     if (route_.tunnel_end_m > route_.tunnel_begin_m) {
       holes.emplace_back(route_.tunnel_begin_m + offset - 2.0, route_.tunnel_end_m + offset + 2.0);
@@ -96,7 +108,7 @@ class TownBuilder {
       const Span whole(is_driven ? 0.0 : 8.0, axis.length_m());
       for (const Span& span : Without(whole, is_driven ? holes : std::vector<Span>())) {
         for (const double side : {1.0, -1.0}) {
-          body(StreetSide{&axis, side, span.first, span.second}, &rng);
+          body(StreetSide{&axis, side, span.first, span.second, options_.setback_m}, &rng);
         }
       }
     }
@@ -114,13 +126,14 @@ SceneDescription BuildTown(const Route& route, const Terrain& terrain, const Pro
                            const TownOptions& options) {
   SceneDescription description;
   description.prototypes = prototypes.meshes;
-  const StreetProfile profile;
+  const StreetProfile& profile = options.profile;
   description.structures.push_back({BuildGround(route.axes, terrain, profile), Rigid3d()});
   description.structures.push_back({BuildMarkings(route.axes, terrain, profile), Rigid3d()});
   Site site(route, terrain, profile, prototypes, &description);
   TownBuilder builder(route, options, &site);
   if (!options.is_open) builder.Fill();
   builder.FillOpen();
+  builder.FillBare();
   if (route.tunnel_end_m > route.tunnel_begin_m) {
     description.structures.push_back(
         {BuildTunnel(route.lane, route.tunnel_begin_m, route.tunnel_end_m, terrain), Rigid3d()});

@@ -1,6 +1,5 @@
 #include "tvl/sim/traffic.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +10,6 @@ namespace tvl::sim {
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 constexpr uint64_t kTrafficStream = 601;
 constexpr double kCarReach_m = 150.0;  // beyond the lidar's sight
@@ -22,7 +20,7 @@ constexpr double kEgoLength_m = 6.0;
 
 Traffic::Traffic(const Route& route, const Terrain& terrain, const TravelProfile& travel,
                  const Prototypes& prototypes, double duration_s, const TrafficOptions& options)
-    : route_(route), terrain_(terrain), travel_(travel), axes_(route.axes, 16.0) {
+    : poses_(route, terrain, {}), travel_(travel) {
   if (options.oncoming_every_s > 0.0) AddOncoming(prototypes, duration_s, options);
   if (options.pedestrian_every_m > 0.0) AddPedestrians(prototypes, duration_s, options);
   AddCompanions(prototypes, options);
@@ -78,8 +76,8 @@ bool Traffic::MeetsEgo(const Passer& passer) const {
   const double life_s = passer.reach_m / std::max(0.1, std::abs(passer.speed_m_s));
   for (double t = passer.meet_s - life_s; t < passer.meet_s + life_s; t += 0.1) {
     const double way = passer.meet_way_m + passer.speed_m_s * (t - passer.meet_s);
-    const Vector2d p = Beside(way, passer.left_m - route_.ShiftAt(way));
-    if ((p - route_.lane.At(travel_.Way_m(t))).norm() < 2.8) return true;
+    const Vector2d p = poses_.Beside(way, passer.left_m - poses_.route().ShiftAt(way));
+    if ((p - poses_.route().lane.At(travel_.Way_m(t))).norm() < 2.8) return true;
   }
   return false;
 }
@@ -88,24 +86,6 @@ double Traffic::CompanionWay(const Companion& c, double time_s) const {
   const double swing = c.swing_s * std::sin(2.0 * kPi * time_s / c.period_s + c.phase_rad);
   const double sign = c.lead_s > 0.0 ? 1.0 : -1.0;
   return travel_.Way_m(time_s + c.lead_s + swing) + sign * kEgoLength_m;
-}
-
-Vector2d Traffic::Beside(double way_m, double left_m) const {
-  const Vector2d t = route_.lane.Tangent(way_m);
-  return route_.lane.At(way_m) + left_m * Vector2d(-t.y(), t.x());
-}
-
-Rigid3d Traffic::PoseAt(double way_m, double left_m, bool is_reversed) const {
-  const Vector2d t = route_.lane.Tangent(way_m);
-  const Vector2d p = Beside(way_m, left_m);
-  const Vector2d heading = is_reversed ? Vector2d(-t) : t;
-  const double z = terrain_.Height(p) + ProfileHeight({}, std::min(10.0, axes_.Distance(p)));
-  const Vector3d up = terrain_.Normal(p);
-  Eigen::Matrix3d R;
-  R.col(0) = (Vector3d(heading.x(), heading.y(), 0) - up * up.head<2>().dot(heading)).normalized();
-  R.col(2) = up;
-  R.col(1) = up.cross(R.col(0));
-  return {Eigen::Quaterniond(R), Vector3d(p.x(), p.y(), z)};
 }
 
 std::vector<SceneMover> Traffic::Movers(double begin_s, double end_s) const {
@@ -119,7 +99,7 @@ std::vector<SceneMover> Traffic::Movers(double begin_s, double end_s) const {
     const bool is_reversed = p.speed_m_s < 0.0;
     const auto pose = [&](double t) {
       const double way = p.meet_way_m + gone(t);
-      return PoseAt(way, p.left_m - route_.ShiftAt(way), is_reversed);
+      return poses_.At(way, p.left_m - poses_.route().ShiftAt(way), is_reversed);
     };
     movers.push_back({p.prototype, static_cast<uint32_t>(i), pose(begin_s), pose(end_s)});
   }
@@ -128,7 +108,7 @@ std::vector<SceneMover> Traffic::Movers(double begin_s, double end_s) const {
     const double begin_m = CompanionWay(c, begin_s), end_m = CompanionWay(c, end_s);
     if (std::abs(begin_m - travel_.Way_m(begin_s)) > kCarReach_m) continue;
     movers.push_back({c.prototype, static_cast<uint32_t>(passers_.size() + i),
-                      PoseAt(begin_m, 0.0, false), PoseAt(end_m, 0.0, false)});
+                      poses_.At(begin_m, 0.0, false), poses_.At(end_m, 0.0, false)});
   }
   return movers;
 }

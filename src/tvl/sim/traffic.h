@@ -4,11 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tvl/sim/ground.h"
+#include "tvl/sim/lane_pose.h"
 #include "tvl/sim/prototypes.h"
-#include "tvl/sim/route.h"
 #include "tvl/sim/scene.h"
-#include "tvl/sim/terrain.h"
 #include "tvl/sim/vehicle.h"
 
 namespace tvl::sim {
@@ -46,8 +44,6 @@ class Traffic : public MoverSource {
     double lead_s, swing_s, period_s, phase_rad;
   };
 
-  Eigen::Vector2d Beside(double way_m, double left_m) const;
-  Rigid3d PoseAt(double way_m, double left_m, bool is_reversed) const;
   double CompanionWay(const Companion& companion, double time_s) const;
   bool MeetsEgo(const Passer& passer) const;
   void AddOncoming(const Prototypes& prototypes, double duration_s, const TrafficOptions& options);
@@ -55,10 +51,8 @@ class Traffic : public MoverSource {
                       const TrafficOptions& options);
   void AddCompanions(const Prototypes& prototypes, const TrafficOptions& options);
 
-  Route route_;
-  Terrain terrain_;
+  LanePoses poses_;
   TravelProfile travel_;
-  PolylineIndex axes_;
   std::vector<Passer> passers_;
   std::vector<Companion> companions_;
 };

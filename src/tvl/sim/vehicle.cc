@@ -24,6 +24,10 @@ double Curvature(const Polyline& line, double s_m) {
   return std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b))) / 3.0;
 }
 
+bool IsAfterStop(const Route& route, double way_m) {
+  return !route.stops_m.empty() && way_m > route.stops_m.front();
+}
+
 // What the driver would like to drive at each kGrid_m of the lane, bends and stops included.
 std::vector<double> WantedSpeed(const Route& route, const VehicleOptions& o, Rng* rng) {
   const auto n = static_cast<size_t>(route.lane.length_m() / kGrid_m) + 1;
@@ -31,8 +35,9 @@ std::vector<double> WantedSpeed(const Route& route, const VehicleOptions& o, Rng
   const double phase = rng->Uniform(0, 2 * kPi), phase2 = rng->Uniform(0, 2 * kPi);
   for (size_t i = 0; i < n; ++i) {
     const double s = kGrid_m * static_cast<double>(i);
-    v[i] = o.cruise_m_s *
-           (1.0 + 0.12 * std::sin(s / 45.0 + phase) + 0.08 * std::sin(s / 17.0 + phase2));
+    v[i] = o.cruise_m_s * (1.0 + o.variation * (0.12 * std::sin(s / 45.0 + phase) +
+                                                0.08 * std::sin(s / 17.0 + phase2)));
+    if (IsAfterStop(route, s)) v[i] *= 1.0 + o.faster_after_stop;
     if (s > route.tunnel_begin_m && s < route.tunnel_end_m) {
       v[i] *= 1.0 + o.tunnel_variation * std::sin(2.0 * kPi * (s - route.tunnel_begin_m) / 70.0);
     }
@@ -46,9 +51,12 @@ std::vector<double> WantedSpeed(const Route& route, const VehicleOptions& o, Rng
 }
 
 // The same within what the car can accelerate and brake.
-std::vector<double> DrivenSpeed(std::vector<double> v, const VehicleOptions& o) {
+std::vector<double> DrivenSpeed(std::vector<double> v, const Route& route,
+                                const VehicleOptions& o) {
   for (size_t i = 1; i < v.size(); ++i) {
-    v[i] = std::min(v[i], std::sqrt(v[i - 1] * v[i - 1] + 2 * o.acceleration_m_s2 * kGrid_m));
+    double rate = o.acceleration_m_s2;
+    if (IsAfterStop(route, kGrid_m * static_cast<double>(i))) rate *= 1.0 + o.faster_after_stop;
+    v[i] = std::min(v[i], std::sqrt(v[i - 1] * v[i - 1] + 2 * rate * kGrid_m));
   }
   for (size_t i = v.size() - 1; i-- > 0;) {
     v[i] = std::min(v[i], std::sqrt(v[i + 1] * v[i + 1] + 2 * o.braking_m_s2 * kGrid_m));
@@ -90,9 +98,9 @@ TravelProfile::TravelProfile(const Route& route, const VehicleOptions& options, 
                              double duration_s)
     : interval_s_(kTick_s) {
   Rng rng(seed, kSpeedStream);
-  const std::vector<double> v = DrivenSpeed(WantedSpeed(route, options, &rng), options);
+  const std::vector<double> v = DrivenSpeed(WantedSpeed(route, options, &rng), route, options);
   const double end_s = duration_s + 2.0;
-  double s = 0.0, pause_s = 0.0;
+  double s = route.start_m, pause_s = 0.0;
   for (double t = 0.0; t <= end_s; t += kTick_s) {
     way_m_.push_back(s);
     if (pause_s > 0.0) {

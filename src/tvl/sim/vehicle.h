@@ -15,11 +15,13 @@ struct VehicleOptions {
   double cruise_m_s = 11.0;        // town traffic
   double acceleration_m_s2 = 1.5;  // ordinary driver
   double braking_m_s2 = 1.9;
-  double lateral_m_s2 = 1.9;      // comfort limit in turns
-  double tunnel_variation = 0.0;  // share by which the speed varies inside a tunnel
-  double pitch_per_m_s2 = 0.005;  // rad of squat per m/s^2 along
-  double roll_per_m_s2 = 0.008;   // rad of lean per m/s^2 across
-  double roughness_m = 0.006;     // amplitude of heave; pitch and roll follow from it
+  double lateral_m_s2 = 1.9;       // comfort limit in turns
+  double variation = 1.0;          // of the cruising speed: 1 as in a town, +-20 %; 0: none
+  double tunnel_variation = 0.0;   // share by which the speed varies inside a tunnel
+  double faster_after_stop = 0.0;  // speed and acceleration are this share higher then
+  double pitch_per_m_s2 = 0.005;   // rad of squat per m/s^2 along
+  double roll_per_m_s2 = 0.008;    // rad of lean per m/s^2 across
+  double roughness_m = 0.006;      // amplitude of heave; pitch and roll follow from it
 };
 
 // Way along the lane as a function of time from 0. A planned one accelerates from standstill or
