@@ -7,8 +7,7 @@
 #include "tvl/frame/motion_estimate.h"
 #include "tvl/mapping/landmark_map.h"
 #include "tvl/mapping/local_map.h"
-#include "tvl/registration/covariance.h"
-#include "tvl/registration/weakness.h"
+#include "tvl/registration/pose_problem.h"
 
 namespace tvl {
 

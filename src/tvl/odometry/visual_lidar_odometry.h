@@ -9,8 +9,7 @@
 #include "tvl/frame/preprocessed_frame.h"
 #include "tvl/odometry/laser_matcher.h"
 #include "tvl/odometry/visual_matcher.h"
-#include "tvl/registration/covariance.h"
-#include "tvl/registration/weakness.h"
+#include "tvl/registration/pose_problem.h"
 
 namespace tvl {
 
@@ -24,9 +23,6 @@ struct OdometryOptions {
   double first_gate_m = 1.5, last_gate_m = 0.5;  // of laser matches; halved each refresh
   double stop_rotation_rad = 5e-5, stop_translation_m = 1e-3;
   int min_matches = 60;  // fewer laser and visual residuals: not an estimate
-  // Change of velocity a vehicle manages within one frame (5 m/s^2, 1 rad/s^2 over 0.1 s, as
-  // displacement): the width of the constant-velocity prior.
-  double prior_sigma_m = 0.05, prior_sigma_rad = 0.01;
   // Before any velocity is known, forward speeds of up to this are tried.
   double max_start_step_m = 3.0;
   bool use_camera = true;
@@ -35,10 +31,13 @@ struct OdometryOptions {
   void Check() const;
 };
 
-// What odometry is told of the previous frame besides its features.
+// What odometry is told of the motion before it looks: where to start, and the prior.
 struct MotionGuess {
   Rigid3d T_prev_cur;
-  bool known = false;  // false: no velocity yet
+  // Right perturbation, [rotation, translation]; positive definite. Only used when known.
+  Matrix6d covariance = Matrix6d::Identity();
+  bool known = false;  // false: no velocity yet; forward speeds are tried, and there is no prior
+  bool use_camera = true;  // false: the laser alone, whatever the options say
 };
 
 class VisualLidarOdometry {
@@ -63,15 +62,14 @@ class VisualLidarOdometry {
   void Reset();
 
  private:
-  struct Problem;
-  struct Start;
   struct Candidate;
-  Problem MakeProblem(const Start& start, const SweepBins& bins, const Executor& executor) const;
-  void Match(const PreprocessedFrame& frame, const Start& start, const Rigid3d& T_prev_cur,
-             double gate_m, double period_s, Problem* problem);
-  static double Score(const PreprocessedFrame& frame, const Problem& problem, double cost);
-  Candidate EstimateFrom(const PreprocessedFrame& frame, const Start& start, const SweepBins& bins,
-                         double period_s, const Executor& executor);
+  PoseProblem MakeProblem(const MotionGuess& guess, const SweepBins& bins,
+                          const Executor& executor) const;
+  void Match(const PreprocessedFrame& frame, bool use_camera, const Rigid3d& T_prev_cur,
+             double gate_m, const SweepBins& bins, double period_s, PoseProblem* problem);
+  // From guess.T_prev_cur; its covariance is the prior if it is known.
+  Candidate EstimateFrom(const PreprocessedFrame& frame, const MotionGuess& guess,
+                         const SweepBins& bins, double period_s, const Executor& executor);
 
   Calibration calibration_;
   OdometryOptions options_;

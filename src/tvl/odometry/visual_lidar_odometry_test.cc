@@ -19,6 +19,12 @@ using synthetic::World;
 
 constexpr double kPeriod_s = 0.1;
 
+MotionGuess Known(const Rigid3d& T_prev_cur) {
+  Vector6d variance;  // 0.01 rad, 0.05 m
+  variance << Eigen::Vector3d::Constant(1e-4), Eigen::Vector3d::Constant(2.5e-3);
+  return {T_prev_cur, variance.asDiagonal(), true};
+}
+
 // Frames k and k+1 of a drive; which sensors deliver is up to the test.
 struct Scene {
   World world = synthetic::Street();
@@ -78,13 +84,13 @@ class OdometryOf : public ::testing::TestWithParam<Deskew> {};
 
 TEST_P(OdometryOf, FindsTheMotion) {
   const Scene scene(kMotion, GetParam());
-  const MotionEstimate both = scene.Estimate({kLastMotion, true});
+  const MotionEstimate both = scene.Estimate(Known(kLastMotion));
   EXPECT_EQ(both.status, EstimateStatus::kConverged);
   EXPECT_THAT(both.T_ref_body, Rigid3dNear(kMotion, 0.002, 0.02));
   EXPECT_GT(both.evidence.planes, 400);
   EXPECT_GT(both.evidence.edges, 20);
   EXPECT_GT(both.evidence.visual, 60);
-  const MotionEstimate lidar = scene.Estimate({kLastMotion, true}, LidarOnly());
+  const MotionEstimate lidar = scene.Estimate(Known(kLastMotion), LidarOnly());
   EXPECT_THAT(lidar.T_ref_body, Rigid3dNear(kMotion, 0.002, 0.03));
   EXPECT_EQ(lidar.evidence.visual, 0);
 }
@@ -94,7 +100,7 @@ TEST_P(OdometryOf, TimesOfPointsMatter) {
   if (GetParam() == Deskew::kNone) return;
   Scene scene(kMotion, GetParam());
   const auto error_m = [&] {
-    const MotionEstimate estimate = scene.Estimate({kLastMotion, true}, LidarOnly());
+    const MotionEstimate estimate = scene.Estimate(Known(kLastMotion), LidarOnly());
     return (estimate.T_ref_body.t() - kMotion.t()).norm();
   };
   const double right_m = error_m();
@@ -113,7 +119,7 @@ class OdometryAtStart : public ::testing::TestWithParam<double> {};
 TEST_P(OdometryAtStart, FindsTheSpeedFromNothing) {
   const Rigid3d motion = Rigid3d::Exp(Twist(0.0, 0.002, 0.01, GetParam(), 0.0, 0.0));
   const Scene scene(motion, Deskew::kNone);
-  const MotionEstimate estimate = scene.Estimate({Rigid3d(), false});
+  const MotionEstimate estimate = scene.Estimate(MotionGuess());
   EXPECT_NE(estimate.status, EstimateStatus::kPredicted);
   EXPECT_THAT(estimate.T_ref_body, Rigid3dNear(motion, 0.003, 0.04));
 }
@@ -124,7 +130,7 @@ TEST(Odometry, TheCameraAloneBridgesAMissingScan) {
   Scene scene(kMotion, Deskew::kNone);
   scene.current.has_scan = false;
   scene.current.features = {};
-  const MotionEstimate estimate = scene.Estimate({kLastMotion, true});
+  const MotionEstimate estimate = scene.Estimate(Known(kLastMotion));
   EXPECT_NE(estimate.status, EstimateStatus::kPredicted);
   EXPECT_EQ(estimate.evidence.planes, 0);
   EXPECT_GT(estimate.evidence.visual, 60);
@@ -134,13 +140,13 @@ TEST(Odometry, TheCameraAloneBridgesAMissingScan) {
 TEST(Odometry, WithoutAnythingUsableItPredicts) {
   Scene scene(kMotion, Deskew::kNone);
   scene.current = {};
-  const MotionEstimate estimate = scene.Estimate({kLastMotion, true});
+  const MotionEstimate estimate = scene.Estimate(Known(kLastMotion));
   EXPECT_EQ(estimate.status, EstimateStatus::kPredicted);
   EXPECT_THAT(estimate.T_ref_body, Rigid3dNear(kLastMotion, 1e-12, 1e-12));
   // A prediction is vaguer than a measurement.
   const Scene measured(kMotion, Deskew::kNone);
   EXPECT_GT(estimate.covariance(3, 3),
-            3.0 * measured.Estimate({kLastMotion, true}).covariance(3, 3));
+            3.0 * measured.Estimate(Known(kLastMotion)).covariance(3, 3));
 }
 
 TEST(Odometry, ResetForgetsTheReference) {
@@ -175,7 +181,7 @@ double ErrorBehindALorry_m(double step_m, double gate_sigmas) {
   const Rigid3d motion = Rigid3d::Exp(Twist(0.0, 0.0, 0.002, step_m, 0.0, 0.0));
   OdometryOptions options;
   options.visual_gate_sigmas = gate_sigmas;
-  const MotionGuess guess{Rigid3d::Translation(step_m, 0, 0), true};
+  const MotionGuess guess = Known(Rigid3d::Translation(step_m, 0, 0));
   const Rigid3d T = BehindALorry(motion).Estimate(guess, options).T_ref_body;
   return (T.t() - motion.t()).norm();
 }
@@ -190,7 +196,7 @@ TEST(Odometry, InSlowTrafficFeaturesOnALorryPullALittle) {
   // 0.2 m a frame move the features by half a pixel: the gate cannot tell, the weights limit it.
   EXPECT_LT(ErrorBehindALorry_m(0.2, OdometryOptions().visual_gate_sigmas), 0.030);
   const Rigid3d motion = Rigid3d::Exp(Twist(0.0, 0.0, 0.002, 0.2, 0.0, 0.0));
-  const Rigid3d T_start = BehindALorry(motion).Estimate({Rigid3d(), false}).T_ref_body;
+  const Rigid3d T_start = BehindALorry(motion).Estimate(MotionGuess()).T_ref_body;
   EXPECT_THAT(T_start, Rigid3dNear(motion, 0.002, 0.04));
 }
 
@@ -198,9 +204,9 @@ TEST(Odometry, InATunnelTheCameraHoldsTheAxis) {
   const Rigid3d motion = Rigid3d::Exp(Twist(0.0, 0.0, 0.002, 1.2, 0.0, 0.0));
   const Rigid3d guess = Rigid3d::Translation(1.1, 0.0, 0.0);
   const Scene scene(motion, Deskew::kNone, synthetic::Tunnel());
-  const MotionEstimate both = scene.Estimate({guess, true});
+  const MotionEstimate both = scene.Estimate(Known(guess));
   EXPECT_THAT(both.T_ref_body, Rigid3dNear(motion, 0.003, 0.04));
-  const MotionEstimate lidar = scene.Estimate({guess, true}, LidarOnly());
+  const MotionEstimate lidar = scene.Estimate(Known(guess), LidarOnly());
   EXPECT_NEAR(lidar.T_ref_body.t().x(), 1.1, 0.02) << "the prediction decides";
   for (const MotionEstimate* estimate : {&both, &lidar}) {
     const auto weak = std::find_if(estimate->weak.begin(), estimate->weak.end(),
@@ -213,15 +219,15 @@ TEST(Odometry, InATunnelTheCameraHoldsTheAxis) {
 
 TEST(Odometry, IsTheSameToTheBitForAnyThreadCount) {
   const Scene scene(kMotion, Deskew::kClockwise);
-  const MotionEstimate one = scene.Estimate({kLastMotion, true}, {}, 1);
-  const MotionEstimate two = scene.Estimate({kLastMotion, true}, {}, 2);
+  const MotionEstimate one = scene.Estimate(Known(kLastMotion), {}, 1);
+  const MotionEstimate two = scene.Estimate(Known(kLastMotion), {}, 2);
   EXPECT_EQ(one.T_ref_body.Log(), two.T_ref_body.Log());
   EXPECT_EQ(one.covariance, two.covariance);
 }
 
 TEST(OdometryOptions, NameTheBadField) {
   OdometryOptions options;
-  options.prior_sigma_m = 0.0;
+  options.kernel_sigmas = 0.0;
   EXPECT_THROW(VisualLidarOdometry(synthetic::CameraAndLidar(), options), InputError);
 }
 

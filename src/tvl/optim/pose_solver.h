@@ -1,4 +1,4 @@
-// Levenberg-Marquardt over one rigid motion.
+// Levenberg-Marquardt over one rigid motion, alone or with nuisance parameters beside it.
 #pragma once
 
 #include <functional>
@@ -29,9 +29,32 @@ struct PoseSolverOptions {
   double stop_translation_m = 2e-5;
 };
 
+// A pose and six nuisance parameters ("shift": what a sensor's measurement may be off by). The
+// parameters are ordered like a tangent vector: three in rad, three in m.
+struct ShiftedPose {
+  Rigid3d T;
+  Vector6d shift = Vector6d::Zero();
+};
+
+// Gauss-Newton normal equations of a cost F(T Exp(d), shift + e) in (d, e). Parameters that are not
+// in use have the unit diagonal in H_shift and zeros elsewhere.
+struct ShiftedEquations {
+  NormalEquations pose;  // H, b of d; the cost is that of everything
+  bool has_shift = false;
+  Matrix6d H_shift = Matrix6d::Identity();
+  Matrix6d H_cross = Matrix6d::Zero();  // rows d, columns e
+  Vector6d b_shift = Vector6d::Zero();
+};
+
+// The equations of d alone, e eliminated (Schur complement): minimised over e, the quadratic model
+// of F has this H, this b and this cost.
+NormalEquations WithoutShift(const ShiftedEquations& equations);
+
 struct PoseSolution {
   Rigid3d T;
-  NormalEquations at_T;    // at the returned T
+  Vector6d shift = Vector6d::Zero();
+  // At the returned T and shift, with the shift eliminated; the cost is F itself.
+  NormalEquations at_T;
   int iterations = 0;      // accepted steps
   bool converged = false;  // the last step was below the stop thresholds
 };
@@ -41,5 +64,11 @@ struct PoseSolution {
 PoseSolution SolvePose(const Rigid3d& T,
                        const std::function<NormalEquations(const Rigid3d&)>& linearize,
                        const PoseSolverOptions& options);
+
+// Minimises F over pose and shift together, starting at (T, 0). A step is accepted by F, so no
+// accepted step raises it.
+PoseSolution SolveShiftedPose(const Rigid3d& T,
+                              const std::function<ShiftedEquations(const ShiftedPose&)>& linearize,
+                              const PoseSolverOptions& options);
 
 }  // namespace tvl

@@ -3,6 +3,9 @@
 // Rotation and translation are judged in separate 3x3 blocks, each with the other marginalised
 // out: eigenvalues of a 6x6 of mixed units mean nothing. The information that noisy plane normals
 // leak into every direction is subtracted first, else a tunnel's axis looks held.
+//
+// A weak direction does not change the laser's residuals: its measurement is taken to carry an
+// unknown shift along it, which is estimated beside the pose (LaserShift).
 #pragma once
 
 #include <vector>
@@ -23,10 +26,24 @@ struct WeaknessOptions {
   void Check() const;
 };
 
+// An unknown additive shift of what the laser measures: it sees the pose T Exp(axes a) where the
+// pose is T, and 0.5 a' diag(information) a is added to the cost. A direction with say s gets the
+// information s / (1 - s) lambda, where lambda is the laser's information in it with everything
+// else marginalised out. Eliminating a then leaves s lambda of it: the covariance of the laser's
+// measurement grows by (1 - s) / (s lambda) along the axis and nowhere else, so the other block's
+// marginal stays what it is. s = 0 leaves nothing; the problem is one function for every s.
+struct LaserShift {
+  // Eigenvectors of both blocks as columns: 0..2 rotation, 3..5 translation.
+  Matrix6d axes = Matrix6d::Identity();
+  Vector6d information = Vector6d::Zero();  // of a; 1/rad^2, 1/m^2
+  Vector6d is_free = Vector6d::Zero();      // 1 in weak directions; elsewhere 0, and a is 0
+
+  bool any() const { return is_free.any(); }
+};
+
 struct Weakness {
   std::vector<WeakDirection> directions;  // weaker than `held`
-  // Applied to the laser's Jacobian, J M: what is left of the lidar's say. Identity if all is held.
-  Matrix6d lidar_mask = Matrix6d::Identity();
+  LaserShift shift;                       // the same, for the solver
   // Relative strengths of the lidar's weakest translation and rotation, 0..1: for histograms.
   double translation_ratio = 1.0, rotation_ratio = 1.0;
 };
@@ -34,7 +51,15 @@ struct Weakness {
 Weakness AnalyseWeakness(const LaserSum& laser, const NormalEquations& visual,
                          const WeaknessOptions& options);
 
-// Normal equations of the laser with its Jacobian masked.
-NormalEquations Masked(const NormalEquations& laser, const Matrix6d& mask);
+// The shift that leaves the laser `say` (0..1, one for each column) of its information along
+// `axes`, with eigenvalues `lambda` of the laser's marginal blocks; say = 1: no shift.
+LaserShift MakeLaserShift(const Matrix6d& axes, const Vector6d& lambda, const Vector6d& say);
+
+// Where the laser sees the pose.
+Rigid3d ShiftedByLaser(const ShiftedPose& pose, const LaserShift& shift);
+
+// Equations of pose and shift from those of the laser at ShiftedByLaser(pose, shift).
+ShiftedEquations WithShift(const NormalEquations& laser, const ShiftedPose& pose,
+                           const LaserShift& shift);
 
 }  // namespace tvl

@@ -1,0 +1,112 @@
+#include "tvl/registration/pose_problem.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <utility>
+
+#include "tvl/factors/pose_prior.h"
+
+namespace tvl {
+namespace {
+
+bool IsSame(const Rigid3d& a, const Rigid3d& b) {
+  return a.t() == b.t() && a.q().coeffs() == b.q().coeffs();
+}
+
+double Rms(double sum_of_squares, size_t n) {
+  return n == 0 ? 0.0 : std::sqrt(sum_of_squares / static_cast<double>(n));
+}
+
+}  // namespace
+
+PriorTerm PriorTerm::Of(const Rigid3d& T, const Matrix6d& covariance, double share) {
+  return {T, share * covariance.ldlt().solve(Matrix6d::Identity())};
+}
+
+NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T) {
+  NormalEquations n;
+  if (prior.information.isZero(0.0)) return n;
+  const Residual<6> residual = EvaluatePosePrior(prior.T, T);
+  n.H = residual.J.transpose() * prior.information * residual.J;
+  n.b = residual.J.transpose() * prior.information * residual.r;
+  n.cost = 0.5 * residual.r.dot(prior.information * residual.r);
+  return n;
+}
+
+PoseProblem::PoseProblem(const PoseProblemSetup& setup, const Executor& executor)
+    : setup_(setup), executor_(executor) {}
+
+void PoseProblem::SetMatches(LaserMatches laser, VisualMatches visual, const Rigid3d& T) {
+  laser_ = std::move(laser);
+  visual_ = std::move(visual);
+  T_matched_ = T;
+  laser_matched_ = Linearize(laser_, T, setup_.bins, setup_.kernel_sigmas, executor_);
+  weakness_ = AnalyseWeakness(laser_matched_, Visual(T).normal, setup_.weakness);
+  if (visual_.size() > 0) visual_ = Gated(T);
+}
+
+LaserSum PoseProblem::Laser(const Rigid3d& T) const {
+  if (IsSame(T, T_matched_)) return laser_matched_;
+  return Linearize(laser_, T, setup_.bins, setup_.kernel_sigmas, executor_);
+}
+
+VisualSum PoseProblem::Visual(const Rigid3d& T) const {
+  return Linearize(visual_, T, setup_.T_cam_lidar, setup_.visual_kernel_sigmas);
+}
+
+ShiftedEquations PoseProblem::WithoutCamera(const ShiftedPose& pose) const {
+  const Rigid3d T_laser = ShiftedByLaser(pose, weakness_.shift);
+  ShiftedEquations sum = WithShift(Laser(T_laser).normal, pose, weakness_.shift);
+  sum.pose += Linearize(setup_.prior, pose.T);
+  return sum;
+}
+
+ShiftedEquations PoseProblem::Equations(const ShiftedPose& pose) const {
+  ShiftedEquations sum = WithoutCamera(pose);
+  sum.pose += Visual(pose.T).normal;
+  return sum;
+}
+
+VisualMatches PoseProblem::Gated(const Rigid3d& T) const {
+  PoseSolverOptions solver;
+  solver.max_iterations = 2;
+  const PoseSolution alone = SolveShiftedPose(
+      T, [&](const ShiftedPose& at) { return WithoutCamera(at); }, solver);
+  const Matrix6d covariance = CovarianceOf(alone.at_T.H, alone.T, setup_.gate_covariance);
+  return Gate(visual_, alone.T, setup_.T_cam_lidar, covariance, setup_.visual_gate_sigmas);
+}
+
+PoseSolution PoseProblem::Solve(const Rigid3d& T) const {
+  PoseSolverOptions solver;
+  solver.max_iterations = 3;
+  return SolveShiftedPose(
+      T, [&](const ShiftedPose& at) { return Equations(at); }, solver);
+}
+
+Matrix6d PoseProblem::CovarianceOf(const Matrix6d& H, const Rigid3d& T,
+                                   const CovarianceOptions& options) const {
+  return HonestCovariance(H, setup_.step_m.value_or(T.t().norm()), options);
+}
+
+Matrix6d PoseProblem::Covariance(const PoseSolution& solution) const {
+  return CovarianceOf(solution.at_T.H, solution.T, setup_.covariance);
+}
+
+Matrix6d PoseProblem::CovarianceAt(const Rigid3d& T) const {
+  return CovarianceOf(WithoutShift(Equations({T, Vector6d::Zero()})).H, T, setup_.covariance);
+}
+
+EstimateEvidence PoseProblem::Evidence(const Rigid3d& T) const {
+  const LaserSum laser = Laser(T);
+  const VisualSum visual = Visual(T);
+  EstimateEvidence evidence;
+  evidence.planes = static_cast<int>(laser_.planes.size());
+  evidence.edges = static_cast<int>(laser_.lines.size());
+  evidence.visual = static_cast<int>(visual_.size());
+  evidence.plane_rms_m = Rms(laser.plane_sq_m2, laser_.planes.size());
+  evidence.edge_rms_m = Rms(laser.line_sq_m2, laser_.lines.size());
+  evidence.visual_rms = Rms(visual.squared, static_cast<size_t>(visual.count));
+  return evidence;
+}
+
+}  // namespace tvl
