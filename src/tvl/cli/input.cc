@@ -21,6 +21,7 @@ class ReprofiledDataset : public Dataset {
   const SensorSetup& setup() const override { return setup_; }
   size_t size() const override { return dataset_->size(); }
   SensorFrame Frame(size_t index) const override { return dataset_->Frame(index); }
+  Timestamp Stamp(size_t index) const override { return dataset_->Stamp(index); }
   std::vector<Rigid3d> Truth_T_first_cam0() const override {
     return dataset_->Truth_T_first_cam0();
   }

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
+
+#include "tvl/frame/segmented_scan.h"
 
 namespace tvl {
 
@@ -12,6 +15,7 @@ struct LaserFeature {
   float curvature = 0;      // c of Eq. (1)
   float intensity = 0;
   uint16_t ring = 0;
+  int32_t label = kLabelOutlier;  // as SegmentedScan::label
 };
 
 // F_s is a subset of F_ls, F_f of F_lf in the sense of the paper (here separate copies).

@@ -23,6 +23,7 @@ struct WeakDirection {
   Eigen::Vector3d axis_lidar;  // unit, body frame
   double lidar_strength = 0;   // share of the strongest direction's information, lidar alone, 0..1
   double camera_strength = 0;  // same for the camera, against the lidar's strongest
+  double say = 0;              // share of its information that the lidar keeps, 0..1 (below 1)
 };
 
 // Counts of the measurements that took part.
@@ -30,6 +31,9 @@ struct EstimateEvidence {
   int iterations = 0;
   int edges = 0, planes = 0;  // laser residuals in the last iteration
   int visual = 0;             // visual residuals in the last iteration
+  // Matched laser residuals of the last iteration as a share of the laser features offered, 0..1.
+  // Odometry: matched at all; map step: matched and within its last gate.
+  double match_share = 0;
   double edge_rms_m = 0, plane_rms_m = 0;
   double visual_rms = 0;  // on the normalised image plane: times f gives pixels
 };

@@ -31,6 +31,7 @@ class KittiDataset : public Dataset {
   const SensorSetup& setup() const override { return setup_; }
   size_t size() const override { return layout_.frames.size(); }
   SensorFrame Frame(size_t index) const override;
+  Timestamp Stamp(size_t index) const override { return layout_.frames.at(index).stamp; }
   std::vector<Rigid3d> Truth_T_first_cam0() const override { return layout_.truth_T_first_cam0; }
 
   const KittiLayout& layout() const { return layout_; }

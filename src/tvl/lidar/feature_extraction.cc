@@ -74,8 +74,8 @@ class RowPicker {
 
   LaserFeature Feature(int i) const {
     const size_t p = begin_ + static_cast<size_t>(i);
-    return {scan_.points[p], scan_.time_offset_s[p], curvature_[static_cast<size_t>(i)].c,
-            scan_.intensity[p], scan_.ring[p]};
+    return {scan_.points[p],    scan_.time_offset_s[p], curvature_[static_cast<size_t>(i)].c,
+            scan_.intensity[p], scan_.ring[p],          scan_.label[p]};
   }
 
   // Keeps later picks away from `i`; the ring is closed.

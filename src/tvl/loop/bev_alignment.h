@@ -41,6 +41,22 @@ struct BevPeak {
   double score = 0.0;  // share of source cells that meet an occupied one (half for a neighbour)
 };
 
+// What is aligned with: raised points, and where the ground is known at all. A source that reaches
+// beyond the known is judged by the rest. Empty `known`: everything is.
+struct BevTarget {
+  std::vector<Eigen::Vector2f> raised;  // m
+  std::vector<Eigen::Vector2f> known;   // middles of squares of known_m, m
+  double known_m = 2.0;
+};
+
+// As below, best first by how far an alignment exceeds those up to 4 m beside it, in standard
+// errors: where a window leads from known to unknown ground, what is known best would else win.
+// BevPeak::score is the share among cells on known ground.
+std::vector<BevPeak> AlignBevToKnown(const BevTarget& target,
+                                     const std::vector<Eigen::Vector2f>& source,
+                                     const BevSearch& search, const BevAlignmentOptions& options,
+                                     const Executor& executor);
+
 // The best alignments, best first; empty if either side is. Points are x, y of raised points, in
 // metres, duplicates welcome. Deterministic with any number of threads.
 std::vector<BevPeak> AlignBev(const std::vector<Eigen::Vector2f>& target,

@@ -1,5 +1,6 @@
 #include "tvl/registration/surfel_map.h"
 
+#include <cmath>
 #include <limits>
 
 #include "tvl/base/check.h"
@@ -113,6 +114,36 @@ const Surfel* SurfelMap::Find(const Eigen::Vector3d& p_world) const {
     if (found != nullptr) return found;
   }
   return nullptr;
+}
+
+int64_t SurfelMap::PointsInColumn(const Eigen::Vector3d& p_world, int below) const {
+  const Level& coarsest = levels_.back();
+  const VoxelKey key = VoxelKey::Of(p_world, coarsest.size_m);
+  int64_t points = 0;
+  for (int dz = 1; dz >= -below; --dz) {
+    const Cell* cell = coarsest.cells.Find({key.x, key.y, key.z + dz});
+    if (cell != nullptr) points += cell->moments.count;
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3f> SurfelMap::OccupiedPlaces() const {
+  const Level& finest = levels_.front();
+  std::vector<Eigen::Vector3f> places;
+  for (const auto& entry : finest.cells.entries()) {
+    if (entry.value.moments.count == 0) continue;
+    places.push_back(entry.key.Centre(finest.size_m).cast<float>());
+  }
+  return places;
+}
+
+std::vector<Eigen::Vector3d> SurfelMap::KnownPlaces() const {
+  const Level& coarsest = levels_.back();
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& entry : coarsest.cells.entries()) {
+    if (entry.value.moments.count > 0) places.push_back(entry.key.Centre(coarsest.size_m));
+  }
+  return places;
 }
 
 size_t SurfelMap::voxels() const {

@@ -35,6 +35,15 @@ class SurfelMap {
   // one; null where there is none.
   const Surfel* Find(const Eigen::Vector3d& p_world) const;
 
+  // Points in the column of the coarsest voxels through p_world, from one voxel above it to `below`
+  // of them underneath: where there are many, something standing there would have been seen.
+  int64_t PointsInColumn(const Eigen::Vector3d& p_world, int below) const;
+  // Centres of the finest voxels that hold points.
+  std::vector<Eigen::Vector3f> OccupiedPlaces() const;
+  // Centres of the coarsest voxels that hold points, and their edge.
+  std::vector<Eigen::Vector3d> KnownPlaces() const;
+  double coarsest_m() const { return levels_.back().size_m; }
+
   size_t voxels() const;  // with at least one point, all levels
 
  private:

@@ -46,6 +46,8 @@ class Dataset {
   virtual size_t size() const = 0;
   // Frame `index` < size(); see FrameSource::Next for errors.
   virtual SensorFrame Frame(size_t index) const = 0;
+  // That of frame `index`, without the rest where that can be had.
+  virtual Timestamp Stamp(size_t index) const { return Frame(index).stamp; }
   // True poses T_cam0first_cam0k, one a frame, the first the identity; empty if not known.
   virtual std::vector<Rigid3d> Truth_T_first_cam0() const { return {}; }
 };

@@ -22,6 +22,14 @@ const char* ToString(FrameFault::Kind kind) {
       return "wrong_size_image";
     case FrameFault::Kind::kTimeNotIncreasing:
       return "time_not_increasing";
+    case FrameFault::Kind::kIrregularTime:
+      return "irregular_time";
+    case FrameFault::Kind::kTimeGap:
+      return "time_gap";
+    case FrameFault::Kind::kRepeatedScan:
+      return "repeated_scan";
+    case FrameFault::Kind::kRepeatedImage:
+      return "repeated_image";
   }
   return "unknown";
 }

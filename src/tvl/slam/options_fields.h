@@ -208,8 +208,6 @@ void VisitFields(Visitor& visit, OdometryOptions& options) {
   TVL_FIELD(stop_rotation_rad);
   TVL_FIELD(stop_translation_m);
   TVL_FIELD(min_matches);
-  TVL_FIELD(prior_sigma_m);
-  TVL_FIELD(prior_sigma_rad);
   TVL_FIELD(max_start_step_m);
   TVL_FIELD(use_camera);
   TVL_FIELD(weakness);
@@ -298,6 +296,14 @@ void VisitFields(Visitor& visit, KeyframeStoreOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, MapFitOptions& options) {
+  TVL_FIELD(max_distance_m);
+  TVL_FIELD(max_range_m);
+  TVL_FIELD(min_column_points);
+  TVL_FIELD(max_points);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, MappingOptions& options) {
   TVL_FIELD(interval);
   TVL_FIELD(beams);
@@ -306,13 +312,54 @@ void VisitFields(Visitor& visit, MappingOptions& options) {
   TVL_FIELD(local_map);
   TVL_FIELD(landmarks);
   TVL_FIELD(scan_to_map);
+  TVL_FIELD(fit);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, FrameClockOptions& options) {
+  TVL_FIELD(regular_share);
+  TVL_FIELD(span_frames);
+  TVL_FIELD(window_frames);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, MotionModelOptions& options) {
+  TVL_FIELD(acceleration_sigma_m);
+  TVL_FIELD(acceleration_sigma_rad);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, PoseSearchOptions& options) {
+  TVL_FIELD(radius_m);
+  TVL_FIELD(start_radius_m);
+  TVL_FIELD(yaw_window_rad);
+  TVL_FIELD(lost_yaw_window_rad);
+  TVL_FIELD(min_height_m);
+  TVL_FIELD(max_followed);
+  TVL_FIELD(bev);
+}
+
+template <typename Visitor>
+void VisitFields(Visitor& visit, HealthOptions& options) {
+  TVL_FIELD(window_frames);
+  TVL_FIELD(first_usual_misfit);
+  TVL_FIELD(suspicious_rise);
+  TVL_FIELD(lost_rise);
+  TVL_FIELD(suspicious_innovation_m);
+  TVL_FIELD(suspicious_innovation_rad);
+  TVL_FIELD(min_judged);
+  TVL_FIELD(min_better_sigmas);
 }
 
 template <typename Visitor>
 void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(preprocessing);
+  TVL_FIELD(clock);
+  TVL_FIELD(motion);
   TVL_FIELD(odometry);
   TVL_FIELD(mapping);
+  TVL_FIELD(search);
+  TVL_FIELD(health);
   TVL_FIELD(loops);
   TVL_FIELD(use_camera);
 }

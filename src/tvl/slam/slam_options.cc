@@ -10,6 +10,8 @@ void SlamOptions::Check() const {
   preprocessing.segmentation.Check();
   preprocessing.features.Check();
   preprocessing.depth.Check();
+  clock.Check();
+  motion.Check();
   odometry.Check();
   TVL_CHECK_INPUT(mapping.interval >= 1) << "mapping.interval: must be at least 1";
   mapping.beams.Check();
@@ -18,6 +20,9 @@ void SlamOptions::Check() const {
   mapping.local_map.Check();
   mapping.landmarks.Check();
   mapping.scan_to_map.Check();
+  mapping.fit.Check();
+  search.Check();
+  health.Check();
   loops.Check();
 }
 

@@ -7,10 +7,15 @@
 #include "tvl/map/keyframe_store.h"
 #include "tvl/mapping/keyframe_selector.h"
 #include "tvl/mapping/local_map.h"
+#include "tvl/mapping/map_fit.h"
 #include "tvl/mapping/scan_to_map.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
 #include "tvl/registration/beam_calibration.h"
+#include "tvl/slam/frame_clock.h"
+#include "tvl/slam/health_options.h"
 #include "tvl/slam/loop_closer.h"
+#include "tvl/slam/motion_model.h"
+#include "tvl/slam/pose_search_options.h"
 #include "tvl/vision/feature_tracker.h"
 #include "tvl/vision/image_feature_extractor.h"
 
@@ -37,12 +42,17 @@ struct MappingOptions {
   LocalMapOptions local_map;
   LandmarkOptions landmarks;
   ScanToMapOptions scan_to_map;
+  MapFitOptions fit;
 };
 
 struct SlamOptions {
   PreprocessingOptions preprocessing;
+  FrameClockOptions clock;
+  MotionModelOptions motion;
   OdometryOptions odometry;
   MappingOptions mapping;
+  PoseSearchOptions search;
+  HealthOptions health;
   LoopOptions loops;
   bool use_camera = true;
   void Check() const;

@@ -1,18 +1,19 @@
 #include "tvl/slam/slam_system.h"
 
 #include <algorithm>
+#include <iomanip>
+#include <sstream>
 
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/corrected_extrinsics.h"
-#include "tvl/lidar/deskew.h"
 
 namespace tvl {
 namespace {
 
-// Of the first motion of a raw recording.
-constexpr int kMaxStartPasses = 10;
-constexpr double kStartPrecision_m = 0.002;
+// Lost for so many scans in a row, the map begins anew: in 1.5 seconds a car leaves so much of its
+// surroundings that the next scans will not do better.
+constexpr int kRestartAfterScans = 15;
 
 SlamOptions Checked(SlamOptions options) {
   options.Check();
@@ -35,21 +36,6 @@ SensorSetup WithUsableExtrinsics(SensorSetup setup, const PreprocessingOptions& 
         setup.calibration.T_cam_lidar, setup.lidar.vertical_correction_rad);
   }
   return setup;
-}
-
-FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
-                                const PredictedMotion& motion, Deskew deskew) {
-  FeatureCloud cloud;
-  std::vector<float> offset_s;
-  for (const LaserFeature& feature : features) {
-    cloud.points.push_back(feature.p_lidar);
-    cloud.intensity.push_back(feature.intensity);
-    offset_s.push_back(feature.time_offset_s);
-  }
-  if (deskew != Deskew::kNone) {
-    cloud.points = DeskewPoints(cloud.points, offset_s, motion.T_prev_cur, motion.period_s);
-  }
-  return cloud;
 }
 
 // The motion between two poses of the odometry frame, with drift.
@@ -78,25 +64,13 @@ int CountDepths(const VisualDepths& depths) {
 
 }  // namespace
 
-const char* ToString(FrameStatus status) {
-  switch (status) {
-    case FrameStatus::kFirst:
-      return "first";
-    case FrameStatus::kTracked:
-      return "tracked";
-    case FrameStatus::kPredicted:
-      return "predicted";
-  }
-  return "unknown";
-}
-
 SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOptions& options,
                        bool in_background)
     : setup_(WithUsableExtrinsics(setup, options.preprocessing)),
-      deskew_(deskew),
       options_(Checked(options)),
       preprocessor_(setup_, deskew, options_.preprocessing, options_.use_camera),
-      odometry_(setup_.calibration, options_.odometry),
+      finder_(setup_, deskew, options_),
+      clock_(setup.lidar.sweep_s, options_.clock),
       local_map_(options_.mapping.local_map),
       landmarks_(setup_.calibration, options_.mapping.landmarks),
       beams_(setup.lidar.rows(), options_.mapping.beams),
@@ -106,162 +80,195 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
   if (options_.loops.enabled) {
     loop_closer_ = std::make_shared<LoopCloser>(options_.loops, setup_.calibration, map_.store);
   }
-  motion_.period_s = setup.lidar.sweep_s;
+  last_motion_.period_s = setup.lidar.sweep_s;
 }
 
-FrameResult SlamSystem::ProcessFrame(const SensorFrame& frame, const Executor& executor) {
+FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& executor) {
   const Stopwatch total;
+  FrameContext context;
+  const SensorFrame frame = WithoutRepetitions(input, &context);
   FrameResult result;
   result.id = frame.id;
   result.stamp = frame.stamp;
   result.faults = frame.faults;
+  if (frame.scan == nullptr && input.scan != nullptr && frame.image.empty()) {
+    return RepeatLastPose(std::move(result));
+  }
 
-  const PredictedMotion predicted = Predict(frame);
+  const MotionPrediction predicted = finder_.Predict(context.interval);
   PreprocessedFrame current =
-      preprocessor_.Process(frame, predicted, beams_.offsets(), executor, &result.times);
+      preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
+                            executor, &result.times);
+
+  const FoundPose found =
+      finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);
+  Describe(current, found, &result);
 
   Stopwatch watch;
-  result.odometry = EstimateMotion(current, predicted, executor);
-  PredictedMotion motion{result.odometry.T_ref_body, predicted.period_s};
-  const KeyframeCloud cloud = Compensate(current, motion);
-  result.times.odometry_ms = watch.LapMs();
-
-  const Rigid3d T_odom_prev = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
-  RefineAgainstMap(current, cloud, T_odom_prev * motion.T_prev_cur, executor, &result);
-  motion.T_prev_cur = T_odom_prev.Inverse() * result.T_odom_lidar;
-  result.times.map_step_ms = watch.LapMs();
-
-  Advance(result, motion);
-  result.is_keyframe = UpdateLandmarks(current, result);
+  if (found.previous_cloud) ReplaceLastCloud(*found.previous_cloud, executor);
+  Advance(found, result);
+  if (IsMeasured(result.status)) {
+    CalibrateBeams(found, current);
+    if (options_.use_camera) {
+      landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
+    }
+  }
+  result.is_keyframe = IsDueKeyframe(current, result);
   if (result.is_keyframe) {
     ImageFeatures image;  // for the visual search alone
     if (options_.loops.enabled && options_.loops.use_visual) {
-      image = preprocessor_.Describe(frame, current, motion);
+      image = preprocessor_.Describe(frame, current, last_motion_);
     }
-    AddKeyframe(result, {cloud, std::move(image)}, executor);
+    AddKeyframe(result, {found.tracked.cloud, std::move(image)}, executor);
   }
-  odometry_.Advance(current, cloud.edges.points, cloud.planes.points);
   result.times.map_update_ms = watch.LapMs();
 
   if (result.is_keyframe && loop_closer_ != nullptr) CloseLoops(executor);
   path_.push_back(
       {frame.id, frame.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
+  if (IsMeasured(result.status)) known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
   result.T_world_lidar = map_.keyframes.empty()
                              ? result.T_odom_lidar
                              : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
   result.times.loops_ms = watch.LapMs();
 
-  result.tracking = current.tracks.status;
-  result.tracks = static_cast<int>(current.tracks.tracks.size());
-  result.tracks_with_depth = CountDepths(current.depths);
-  last_ = std::move(current);
-  last_cloud_ = cloud;
+  last_cloud_ = found.tracked.cloud;
+  last_status_ = result.status;
+  finder_.Advance(std::move(current), found, context);
+  if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan) {
+    Restart(result, executor);
+    result.map_begins_anew = true;
+  }
   result.times.total_ms = total.ElapsedMs();
   return result;
 }
 
-void SlamSystem::Advance(const FrameResult& result, const PredictedMotion& motion) {
-  const bool is_first = path_.empty();
-  has_velocity_ = !is_first && (has_velocity_ || result.status == FrameStatus::kTracked);
-  motion_ = motion;
-  path_m_ += motion.T_prev_cur.t().norm();
-  clock_ = is_first ? result.stamp : Advanced(clock_, result.stamp, motion.period_s);
-  const Matrix6d adjoint = motion.T_prev_cur.Inverse().Adjoint();
+SensorFrame SlamSystem::WithoutRepetitions(SensorFrame frame, FrameContext* context) {
+  const std::string name = "frame " + std::to_string(frame.id);
+  if (!options_.use_camera || !setup_.has_camera) frame.image.release();
+  const Repetition repetition = repetition_.Check(frame);
+  context->interval = clock_.Advance(frame.stamp);
+  const FrameInterval& interval = context->interval;
+  stamp_ = path_.empty() ? frame.stamp : Advanced(stamp_, frame.stamp, interval.period_s);
+  std::ostringstream passed;
+  passed << std::setprecision(6) << interval.stamp_s << " s after the frame before";
+  if (interval.verdict == StampVerdict::kGap) {
+    frame.faults.push_back({FrameFault::Kind::kTimeGap, name + ": stamped " + passed.str() + ", " +
+                                                            std::to_string(interval.periods) +
+                                                            " turns of the lidar"});
+  } else if (interval.verdict == StampVerdict::kIrregular) {
+    frame.faults.push_back({FrameFault::Kind::kIrregularTime,
+                            name + ": stamped " + passed.str() +
+                                ", which is no whole number of turns of the lidar: not believed"});
+  }
+  if (repetition.scan) {
+    frame.faults.push_back({FrameFault::Kind::kRepeatedScan,
+                            name + ": its scan is that of the frame before: left out"});
+    frame.scan = nullptr;
+  }
+  if (repetition.image) {
+    if (!repetition.scan) {
+      frame.faults.push_back({FrameFault::Kind::kRepeatedImage,
+                              name + ": its image is that of a frame before: left out"});
+    }
+    frame.image.release();
+  }
+  context->is_doubtful = was_repeated_;
+  was_repeated_ = repetition.scan && frame.image.empty();
+  return frame;
+}
+
+// Nothing new was measured: the vehicle is where it was, as far as anybody knows.
+FrameResult SlamSystem::RepeatLastPose(FrameResult result) {
+  result.status = last_status_;
+  result.T_odom_lidar = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
+  result.T_world_lidar = map_.keyframes.empty()
+                             ? result.T_odom_lidar
+                             : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  path_.push_back(
+      {result.id, result.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
+  if (IsMeasured(last_status_)) known_.path = path_.size() - 1;
+  return result;
+}
+
+void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
+  const Rigid3d T_odom_prev = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
+  const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev);
+  last_motion_ = {T_prev_cur, found.tracked.start.duration_s()};
+  const bool is_lost = result.status == FrameStatus::kLost;
+  const int lost_scan = found.tracked.cloud.planes.points.empty() ? 0 : 1;
+  lost_scans_ = is_lost ? lost_scans_ + lost_scan : 0;
+  path_m_ += T_prev_cur.t().norm();
+  const Matrix6d adjoint = T_prev_cur.Inverse().Adjoint();
   keyframe_covariance_ =
       (adjoint * keyframe_covariance_ * adjoint.transpose() + result.step_covariance).eval();
+  if (found.bridge) LayBridge(*found.bridge, result.T_odom_lidar);
 }
 
-PredictedMotion SlamSystem::Predict(const SensorFrame& frame) const {
-  if (path_.empty()) return {Rigid3d(), setup_.lidar.sweep_s};
-  const double period_s = SecondsBetween(clock_, frame.stamp);
-  if (period_s <= 0.0) return motion_;  // reported as a fault by the input
-  return {Scale(period_s / motion_.period_s, motion_.T_prev_cur), period_s};
-}
-
-MotionEstimate SlamSystem::EstimateMotion(const PreprocessedFrame& frame,
-                                          const PredictedMotion& predicted,
-                                          const Executor& executor) {
-  if (path_.empty()) return MotionEstimate();
-  const SweepBins bins = deskew_ == Deskew::kNone ? SweepBins::Compensated() : SweepBins::Raw();
-  MotionEstimate estimate = odometry_.Estimate(frame, {predicted.T_prev_cur, has_velocity_}, bins,
-                                               predicted.period_s, executor);
-  if (has_velocity_ || deskew_ == Deskew::kNone || !last_.has_scan) return estimate;
-  // No motion was known when the previous scan was compensated. The one found now does it better,
-  // which makes it better itself: its error falls by half each time.
-  for (int pass = 0; pass < kMaxStartPasses; ++pass) {
-    if (estimate.status == EstimateStatus::kPredicted) break;
-    const Rigid3d T_prev_cur = estimate.T_ref_body;
-    CompensateLastAgain({T_prev_cur, predicted.period_s}, executor);
-    estimate = odometry_.Estimate(frame, {T_prev_cur, true}, bins, predicted.period_s, executor);
-    if ((estimate.T_ref_body.t() - T_prev_cur.t()).norm() < kStartPrecision_m) break;
+// The frames in between move along one screw motion from the last known pose to the found one.
+void SlamSystem::LayBridge(const Bridge& bridge, const Rigid3d& T_odom_lidar) {
+  const Rigid3d T_known_found = bridge.T_odom_known.Inverse() * T_odom_lidar;
+  const size_t steps = path_.size() - known_.path;
+  for (size_t i = known_.path + 1; i < path_.size(); ++i) {
+    const double share = static_cast<double>(i - known_.path) / static_cast<double>(steps);
+    path_[i].T_odom_lidar = bridge.T_odom_known * Scale(share, T_known_found);
   }
-  return estimate;
+  path_m_ = known_.path_m + T_known_found.t().norm();
+  // Both ends were measured against one map: what lies between says nothing of their relation.
+  keyframe_covariance_ = known_.keyframe_covariance;
 }
 
-void SlamSystem::CompensateLastAgain(const PredictedMotion& motion, const Executor& executor) {
-  const KeyframeCloud cloud = Compensate(last_, motion);
-  odometry_.Advance(last_, cloud.edges.points, cloud.planes.points);
-  if (map_.keyframes.size() != 1 || map_.keyframes.back().frame != last_.id) return;
-  KeyframePayload payload = *map_.store->Get(0);
-  payload.cloud = cloud;
-  map_.store->Put(0, std::make_shared<const KeyframePayload>(std::move(payload)));
-  local_map_ = LocalMap(options_.mapping.local_map);
-  local_map_.Add(MemberOf(map_, 0), executor);
-}
-
-KeyframeCloud SlamSystem::Compensate(const PreprocessedFrame& frame,
-                                     const PredictedMotion& motion) const {
-  return {CompensateFeatures(frame.features.less_sharp, motion, deskew_),
-          CompensateFeatures(frame.features.less_flat, motion, deskew_)};
-}
-
-void SlamSystem::RefineAgainstMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
-                                  const Rigid3d& T_odom_guess, const Executor& executor,
-                                  FrameResult* result) {
-  const bool is_first = path_.empty();
-  result->T_odom_lidar = T_odom_guess;
-  result->step_covariance = result->odometry.covariance;
-  const bool has_odometry = result->odometry.status == EstimateStatus::kConverged ||
-                            result->odometry.status == EstimateStatus::kNotConverged;
-  result->status = is_first       ? FrameStatus::kFirst
-                   : has_odometry ? FrameStatus::kTracked
-                                  : FrameStatus::kPredicted;
-  const bool is_due = static_cast<int>(path_.size()) % options_.mapping.interval == 0;
-  if (is_first || local_map_.empty() || !is_due) return;
-  const auto& options = options_.mapping.scan_to_map;
-  const MapStepPoints points =
-      ThinForMapStep(cloud.planes.points, cloud.edges.points, options.source_voxel_m);
-  const PosePrior prior{T_odom_guess, result->odometry.covariance,
-                        result->odometry.T_ref_body.t().norm()};
-  result->map_step = RefinePose(points, local_map_, landmarks_, frame.tracks,
-                                setup_.calibration.T_cam_lidar, prior, options, executor);
-  const std::vector<PlaneMatch> matches = std::move(result->map_step.planes);
+void SlamSystem::Describe(const PreprocessedFrame& frame, const FoundPose& found,
+                          FrameResult* result) const {
+  result->tracking = frame.tracks.status;
+  result->tracks = static_cast<int>(frame.tracks.tracks.size());
+  result->tracks_with_depth = CountDepths(frame.depths);
+  result->T_odom_lidar = found.tracked.T_odom_lidar;
+  result->status = found.status;
+  result->step_covariance = found.tracked.step_covariance;
+  result->odometry = found.tracked.odometry;
+  result->map_step = found.tracked.map_step;
   result->map_step.planes.clear();
-  if (result->map_step.estimate.status == EstimateStatus::kPredicted) return;
-  result->T_odom_lidar = result->map_step.estimate.T_ref_body;
-  result->step_covariance = result->map_step.estimate.covariance;
-  result->status = FrameStatus::kTracked;
-  CalibrateBeams(matches, points, frame.features.less_flat, result->T_odom_lidar);
+  result->misfit = found.tracked.fit.mean;
+  result->usual_misfit = found.usual_misfit;
+  result->misfit_points = found.tracked.fit.judged;
+  result->origin = found.origin;
+  result->hypotheses = found.hypotheses;
 }
 
-void SlamSystem::CalibrateBeams(const std::vector<PlaneMatch>& matches, const MapStepPoints& points,
-                                const std::vector<LaserFeature>& features,
-                                const Rigid3d& T_odom_lidar) {
+void SlamSystem::ReplaceLastCloud(KeyframeCloud cloud, const Executor& executor) {
+  if (map_.keyframes.empty() || map_.keyframes.back().frame != finder_.last_frame().id) return;
+  const int index = map_.keyframes.back().id.index;
+  KeyframePayload payload = *map_.store->Get(index);
+  payload.cloud = std::move(cloud);
+  map_.store->Put(index, std::make_shared<const KeyframePayload>(std::move(payload)));
+  local_map_ = LocalMap(options_.mapping.local_map);
+  local_map_.Add(MemberOf(map_, map_.keyframes.size() - 1), executor);
+}
+
+void SlamSystem::CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame) {
+  const std::vector<uint32_t>& source = found.tracked.map_step_source;
+  if (source.empty()) return;
   std::vector<uint16_t> rings;
-  rings.reserve(matches.size());
-  for (const PlaneMatch& match : matches) {
-    rings.push_back(features[points.plane_index[match.source]].ring);
-  }
-  beams_.Add(matches, rings, T_odom_lidar, options_.mapping.scan_to_map.kernel_sigmas);
+  rings.reserve(source.size());
+  for (const uint32_t i : source) rings.push_back(frame.features.less_flat[i].ring);
+  beams_.Add(found.tracked.map_step.planes, rings, found.tracked.T_odom_lidar,
+             options_.mapping.scan_to_map.kernel_sigmas);
 }
 
-bool SlamSystem::UpdateLandmarks(const PreprocessedFrame& frame, const FrameResult& result) {
-  if (options_.use_camera) landmarks_.Update(frame.tracks, frame.depths, result.T_odom_lidar);
-  if (!frame.has_scan || result.status == FrameStatus::kPredicted) return false;
+bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult& result) const {
+  if (!frame.has_scan || !IsMeasured(result.status)) return false;
   const Rigid3d T_lastkeyframe_cur =
       map_.keyframes.empty() ? Rigid3d()
                              : map_.keyframes.back().T_odom_lidar.Inverse() * result.T_odom_lidar;
   return IsKeyframe(T_lastkeyframe_cur, map_.keyframes.size(), options_.mapping.keyframes);
+}
+
+void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
+  local_map_ = LocalMap(options_.mapping.local_map);
+  AddKeyframe(result, {last_cloud_, {}}, executor);
+  finder_.Restart();
+  lost_scans_ = 0;
 }
 
 void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
@@ -269,7 +276,7 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
   Keyframe keyframe;
   keyframe.id = {0, static_cast<int32_t>(map_.keyframes.size())};
   keyframe.frame = result.id;
-  keyframe.stamp = clock_;
+  keyframe.stamp = stamp_;
   keyframe.path_m = path_m_;
   keyframe.T_odom_lidar = result.T_odom_lidar;
   keyframe.T_world_lidar = result.T_odom_lidar;

@@ -12,24 +12,17 @@
 #include "tvl/map/map.h"
 #include "tvl/mapping/landmark_map.h"
 #include "tvl/mapping/local_map.h"
-#include "tvl/odometry/visual_lidar_odometry.h"
 #include "tvl/registration/beam_calibration.h"
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/loop_closer.h"
 #include "tvl/slam/loop_thread.h"
+#include "tvl/slam/pose_finder.h"
 #include "tvl/slam/preprocessor.h"
+#include "tvl/slam/repetition.h"
 #include "tvl/slam/slam_options.h"
 #include "tvl/slam/stage_times.h"
 
 namespace tvl {
-
-// How a frame's pose came about.
-enum class FrameStatus {
-  kFirst,      // the world's origin
-  kTracked,    // odometry and, where due, the map step
-  kPredicted,  // nothing usable in the frame: bridged by constant velocity
-};
-const char* ToString(FrameStatus status);
 
 // At all keyframes without a loop, at the end of the data.
 enum class SecondLook { kYes, kNo };
@@ -46,7 +39,15 @@ struct FrameResult {
   Matrix6d step_covariance = Matrix6d::Zero();
   MotionEstimate odometry;   // T_ref_body = T_{k-1,k}
   ScanToMapResult map_step;  // in the odometry frame; status kFirst where it did not run
+  // How well the scan lies on the map, 0 (best) to 1 (MapFit::mean), over how many points, and what
+  // was usual before.
+  double misfit = 0.0, usual_misfit = 0.0;
+  double misfit_points = 0.0;
+  PoseOrigin origin = PoseOrigin::kPrediction;
+  int hypotheses = 1;  // of the motion that were followed
   bool is_keyframe = false;
+  // Lost for too long: from here on poses are right against this frame, whose own place is a guess.
+  bool map_begins_anew = false;
   TrackingStatus tracking = TrackingStatus::kNoImage;
   int tracks = 0, tracks_with_depth = 0;
   std::vector<FrameFault> faults;
@@ -82,28 +83,29 @@ class SlamSystem {
   // What the next frame is registered against, in the odometry frame.
   const LocalMap& local_map() const { return local_map_; }
   const Map& map() const { return map_; }
-  // The preprocessed data of the last frame, for pictures.
-  const PreprocessedFrame& last_frame() const { return last_; }
+  // The preprocessed data of the last frame, for pictures: last_frame(), and
   // F_lf, F_ls of the last frame compensated to its stamp.
   const KeyframeCloud& last_cloud() const { return last_cloud_; }
   // Motion the last frame's scan was compensated with.
-  const PredictedMotion& last_motion() const { return motion_; }
+  const PredictedMotion& last_motion() const { return last_motion_; }
+  const PreprocessedFrame& last_frame() const { return finder_.last_frame(); }
 
  private:
-  PredictedMotion Predict(const SensorFrame& frame) const;
-  MotionEstimate EstimateMotion(const PreprocessedFrame& frame, const PredictedMotion& predicted,
-                                const Executor& executor);
-  KeyframeCloud Compensate(const PreprocessedFrame& frame, const PredictedMotion& motion) const;
-  // Compensates the last frame's features anew, for the odometry and, as first keyframe, the map.
-  void CompensateLastAgain(const PredictedMotion& motion, const Executor& executor);
-  void RefineAgainstMap(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
-                        const Rigid3d& T_odom_guess, const Executor& executor, FrameResult* result);
-  void CalibrateBeams(const std::vector<PlaneMatch>& matches, const MapStepPoints& points,
-                      const std::vector<LaserFeature>& features, const Rigid3d& T_odom_lidar);
-  // The frame's pose is known: where the next one starts from.
-  void Advance(const FrameResult& result, const PredictedMotion& motion);
-  // Decides whether the frame becomes a keyframe.
-  bool UpdateLandmarks(const PreprocessedFrame& frame, const FrameResult& result);
+  // The input without what was delivered before, and with what is said of its time; faults are
+  // added to it.
+  SensorFrame WithoutRepetitions(SensorFrame frame, FrameContext* context);
+  FrameResult RepeatLastPose(FrameResult result);
+  // What a frame's result says of its data and of the pose found.
+  void Describe(const PreprocessedFrame& frame, const FoundPose& found, FrameResult* result) const;
+  void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
+  // The scan before this one was compensated anew: replaces it where it is a keyframe.
+  void ReplaceLastCloud(KeyframeCloud cloud, const Executor& executor);
+  // Path and covariance since the last keyframe; the stretch before a pose that was found again.
+  void Advance(const FoundPose& found, const FrameResult& result);
+  void LayBridge(const Bridge& bridge, const Rigid3d& T_odom_lidar);
+  bool IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult& result) const;
+  // Lost for too long: the map begins anew at this frame.
+  void Restart(const FrameResult& result, const Executor& executor);
   void AddKeyframe(const FrameResult& result, KeyframePayload payload, const Executor& executor);
   // Hands the newest keyframe to the loop search and applies what is due.
   void CloseLoops(const Executor& executor);
@@ -114,21 +116,29 @@ class SlamSystem {
   void Connect(const std::vector<int>& keyframes, const Executor& executor);
 
   SensorSetup setup_;
-  Deskew deskew_;
   SlamOptions options_;
   Preprocessor preprocessor_;
-  VisualLidarOdometry odometry_;
+  PoseFinder finder_;
+  FrameClock clock_;
+  RepetitionCheck repetition_;
   LocalMap local_map_;
   LandmarkMap landmarks_;
   BeamCalibration beams_;
   Map map_;
   OdometryPath path_;
-  PredictedMotion motion_;     // of the last frame, as estimated
-  Timestamp clock_;            // of the last frame; runs on where stamps do not advance
-  bool has_velocity_ = false;  // motion_ is an estimate
+  PredictedMotion last_motion_;  // of the last frame, as estimated
+  Timestamp stamp_;              // of the last frame; runs on where stamps do not advance
+  FrameStatus last_status_ = FrameStatus::kFirst;
+  bool was_repeated_ = false;  // the last frame
+  int lost_scans_ = 0;         // in a row
   double path_m_ = 0.0;
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  // of the motion since the last keyframe
-  PreprocessedFrame last_;
+  // As of the last pose that is known.
+  struct Known {
+    size_t path = 0;  // index
+    double path_m = 0.0;
+    Matrix6d keyframe_covariance = Matrix6d::Zero();
+  } known_;
   KeyframeCloud last_cloud_;
   std::shared_ptr<LoopCloser> loop_closer_;  // shared with the work in the thread
   LoopThread loop_thread_;

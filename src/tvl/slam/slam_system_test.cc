@@ -131,12 +131,12 @@ TEST(SlamSystem, AFrameWithNothingIsBridgedByPrediction) {
   EXPECT_LT(WorstError_m(drive, outcome), 0.10);
 }
 
-TEST(SlamSystem, AFrameWithOnlyAnImageIsTracked) {
+TEST(SlamSystem, AFrameWithOnlyAnImageIsTrackedByTheCameraAlone) {
   DriveOptions options = Options(14, true);
   options.without_scan = {9};
   const Drive drive(options);
   const Outcome outcome = Play(drive, Deskew::kNone, SlamOptions());
-  EXPECT_EQ(outcome.frames[9].status, FrameStatus::kTracked);
+  EXPECT_EQ(outcome.frames[9].status, FrameStatus::kDegraded);
   EXPECT_EQ(outcome.frames[9].odometry.evidence.planes, 0);
   EXPECT_GT(outcome.frames[9].odometry.evidence.visual, 50);
   EXPECT_FALSE(outcome.frames[9].is_keyframe);

@@ -1,0 +1,98 @@
+#include "tvl/mapping/map_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+namespace {
+
+// So many keyframes see a place well: the map's surfels are there.
+constexpr size_t kEnoughKeyframes = 10;
+constexpr int kColumnBelow = 4;  // voxels of 2 m: what stands is seldom higher than 8 m
+
+double CostOf(const Eigen::Vector3d& p_odom, const LocalMap& map, double max_distance_m) {
+  double distance_m = max_distance_m;
+  const Surfel* plane = map.planes().Find(p_odom);
+  if (plane != nullptr) {
+    distance_m = std::min(distance_m, std::abs(plane->axis.dot(p_odom - plane->mean)));
+  }
+  const Surfel* line = map.lines().Find(p_odom);
+  if (line != nullptr) {
+    distance_m = std::min(distance_m, (p_odom - line->mean).cross(line->axis).norm());
+  }
+  const double share = distance_m / max_distance_m;
+  return share * share;
+}
+
+}  // namespace
+
+void MapFitOptions::Check() const {
+  TVL_CHECK_INPUT(max_distance_m > 0.0) << "map_fit.max_distance_m: must be positive";
+  TVL_CHECK_INPUT(max_range_m > 0.0) << "map_fit.max_range_m: must be positive";
+  TVL_CHECK_INPUT(min_column_points >= 0.0) << "map_fit.min_column_points: must not be negative";
+  TVL_CHECK_INPUT(max_points >= 50) << "map_fit.max_points: must be at least 50";
+}
+
+std::vector<uint32_t> SampleForFit(const std::vector<LaserFeature>& features,
+                                   const MapFitOptions& options) {
+  const auto max_range_m = static_cast<float>(options.max_range_m);
+  std::vector<uint32_t> all;
+  for (uint32_t i = 0; i < features.size(); ++i) {
+    if (features[i].label != kLabelGround && features[i].p_lidar.norm() < max_range_m) {
+      all.push_back(i);
+    }
+  }
+  const auto wanted = static_cast<size_t>(options.max_points);
+  if (all.size() <= wanted) return all;
+  std::vector<uint32_t> sample(wanted);
+  for (size_t k = 0; k < wanted; ++k) sample[k] = all[k * all.size() / wanted];
+  return sample;
+}
+
+MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<uint32_t>& sample,
+                const LocalMap& map, const Rigid3d& T_odom_lidar, const MapFitOptions& options) {
+  MapFit fit;
+  fit.cost.reserve(sample.size());
+  const Eigen::Matrix3d R = T_odom_lidar.R();
+  const auto keyframes = static_cast<double>(std::min(map.size(), kEnoughKeyframes));
+  const double well_seen = options.min_column_points * keyframes;
+  double sum = 0.0;
+  for (const uint32_t i : sample) {
+    const Eigen::Vector3d p_odom = R * points[i].cast<double>() + T_odom_lidar.t();
+    const auto seen = static_cast<double>(map.planes().PointsInColumn(p_odom, kColumnBelow));
+    const double weight = std::min(1.0, seen / std::max(1.0, well_seen));
+    const double cost = weight > 0.0 ? CostOf(p_odom, map, options.max_distance_m) : 0.0;
+    fit.cost.push_back(static_cast<float>(cost));
+    fit.weight.push_back(static_cast<float>(weight));
+    sum += weight * cost;
+    fit.judged += weight;
+  }
+  if (fit.judged > 0.0) fit.mean = sum / fit.judged;
+  return fit;
+}
+
+FitComparison Compare(const MapFit& a, const MapFit& b, int correlated) {
+  TVL_CHECK(a.cost.size() == b.cost.size()) << "fits of the same points";
+  FitComparison comparison;
+  double sum = 0.0, sum_sq = 0.0, weights_sq = 0.0;
+  for (size_t i = 0; i < a.cost.size(); ++i) {
+    const double weight = std::min(a.weight[i], b.weight[i]);
+    const double difference = static_cast<double>(b.cost[i]) - static_cast<double>(a.cost[i]);
+    sum += weight * difference;
+    sum_sq += weight * difference * difference;
+    weights_sq += weight * weight;
+    comparison.common += weight;
+  }
+  if (comparison.common <= 0.0) return comparison;
+  comparison.better = sum / comparison.common;
+  const double variance =
+      std::max(0.0, sum_sq / comparison.common - comparison.better * comparison.better);
+  const double independent = comparison.common * comparison.common / weights_sq / correlated;
+  // At least as uncertain as if one group of neighbours were all wrong.
+  comparison.standard_error = std::sqrt((variance + 1.0 / independent) / independent);
+  return comparison;
+}
+
+}  // namespace tvl

@@ -1,0 +1,114 @@
+#include "tvl/slam/frame_tracker.h"
+
+#include "tvl/base/stopwatch.h"
+#include "tvl/lidar/deskew.h"
+
+namespace tvl {
+namespace {
+
+FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
+                                const Rigid3d& T_prev_cur, double duration_s, Deskew deskew) {
+  FeatureCloud cloud;
+  std::vector<float> offset_s;
+  cloud.points.reserve(features.size());
+  cloud.intensity.reserve(features.size());
+  offset_s.reserve(features.size());
+  for (const LaserFeature& feature : features) {
+    cloud.points.push_back(feature.p_lidar);
+    cloud.intensity.push_back(feature.intensity);
+    offset_s.push_back(feature.time_offset_s);
+  }
+  if (deskew != Deskew::kNone) {
+    cloud.points = DeskewPoints(cloud.points, offset_s, T_prev_cur, duration_s);
+  }
+  return cloud;
+}
+
+}  // namespace
+
+FrameTracker::FrameTracker(const SensorSetup& setup, Deskew deskew, const SlamOptions& options)
+    : setup_(setup),
+      deskew_(deskew),
+      options_(options),
+      odometry_(setup.calibration, options.odometry) {}
+
+void FrameTracker::Advance(const PreprocessedFrame& frame, const KeyframeCloud& cloud) {
+  odometry_.Advance(frame, cloud.edges.points, cloud.planes.points);
+}
+
+KeyframeCloud FrameTracker::Compensate(const PreprocessedFrame& frame, const Rigid3d& T_prev_cur,
+                                       double duration_s) const {
+  return {CompensateFeatures(frame.features.less_sharp, T_prev_cur, duration_s, deskew_),
+          CompensateFeatures(frame.features.less_flat, T_prev_cur, duration_s, deskew_)};
+}
+
+void FrameTracker::EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
+                                  const TrackingReference& reference, const Executor& executor,
+                                  TrackedPose* tracked) {
+  const MotionPrediction& motion = hypothesis.motion;
+  tracked->start = motion;
+  if (!hypothesis.use_odometry) {  // the previous frame's pose says nothing of this one's
+    tracked->odometry.status = EstimateStatus::kPredicted;
+    tracked->odometry.T_ref_body = motion.T_prev_cur;
+    tracked->odometry.covariance = hypothesis.covariance;
+    tracked->T_odom_lidar = hypothesis.T_odom_lidar;
+  } else {
+    const SweepBins bins = is_compensated() ? SweepBins::Compensated() : SweepBins::Raw();
+    tracked->odometry =
+        odometry_.Estimate(frame, {motion.T_prev_cur, motion.covariance, motion.known}, bins,
+                           motion.duration_s(), executor);
+    tracked->T_odom_lidar = reference.T_odom_prev * tracked->odometry.T_ref_body;
+  }
+  tracked->is_measured = tracked->odometry.status == EstimateStatus::kConverged ||
+                         tracked->odometry.status == EstimateStatus::kNotConverged;
+  tracked->step_covariance = tracked->odometry.covariance;
+  tracked->cloud = Compensate(frame, tracked->odometry.T_ref_body, motion.duration_s());
+}
+
+TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
+                                 const TrackingReference& reference, const Executor& executor,
+                                 StageTimes* times) {
+  Stopwatch watch;
+  TrackedPose tracked;
+  EstimateMotion(frame, hypothesis, reference, executor, &tracked);
+  times->odometry_ms += watch.LapMs();
+  RefineAgainstMap(frame, reference, executor, &tracked);
+  if (!is_compensated() && tracked.is_measured && hypothesis.use_odometry) {
+    // The map step knows the motion better: the scan enters the map as that motion compensates it.
+    tracked.cloud =
+        Compensate(frame, tracked.Motion(reference.T_odom_prev), hypothesis.motion.duration_s());
+  }
+  if (frame.has_scan && !reference.map.empty()) {
+    const std::vector<uint32_t> sample =
+        SampleForFit(frame.features.less_flat, options_.mapping.fit);
+    tracked.fit = FitToMap(tracked.cloud.planes.points, sample, reference.map, tracked.T_odom_lidar,
+                           options_.mapping.fit);
+  }
+  times->map_step_ms += watch.LapMs();
+  return tracked;
+}
+
+void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame,
+                                    const TrackingReference& reference, const Executor& executor,
+                                    TrackedPose* tracked) const {
+  if (reference.map.empty() || !reference.map_step_is_due) return;
+  const auto& options = options_.mapping.scan_to_map;
+  const MapStepPoints points = ThinForMapStep(tracked->cloud.planes.points,
+                                              tracked->cloud.edges.points, options.source_voxel_m);
+  const PosePrior prior{tracked->T_odom_lidar, tracked->odometry.covariance,
+                        tracked->odometry.T_ref_body.t().norm()};
+  tracked->map_step = RefinePose(points, reference.map, reference.landmarks, frame.tracks,
+                                 setup_.calibration.T_cam_lidar, prior, options, executor);
+  if (tracked->map_step.estimate.status == EstimateStatus::kPredicted) {
+    tracked->map_step.planes.clear();
+    return;
+  }
+  tracked->T_odom_lidar = tracked->map_step.estimate.T_ref_body;
+  tracked->step_covariance = tracked->map_step.estimate.covariance;
+  tracked->is_measured = true;
+  for (const PlaneMatch& match : tracked->map_step.planes) {
+    tracked->map_step_source.push_back(points.plane_index[match.source]);
+  }
+}
+
+}  // namespace tvl

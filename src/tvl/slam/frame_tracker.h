@@ -1,0 +1,88 @@
+// From a preprocessed frame and an expected motion to a pose: odometry (paper 5.1), compensation of
+// the scan, and the map step (paper 5.2). Follows one hypothesis of the motion to its end; which of
+// several is right is decided by the caller (pose_search.h), by how the scan then lies on the map.
+#pragma once
+
+#include "tvl/base/parallel.h"
+#include "tvl/map/keyframe.h"
+#include "tvl/mapping/landmark_map.h"
+#include "tvl/mapping/local_map.h"
+#include "tvl/mapping/map_fit.h"
+#include "tvl/mapping/scan_to_map.h"
+#include "tvl/odometry/visual_lidar_odometry.h"
+#include "tvl/sensor/dataset.h"
+#include "tvl/slam/motion_model.h"
+#include "tvl/slam/slam_options.h"
+#include "tvl/slam/stage_times.h"
+
+namespace tvl {
+
+// What a frame is registered against besides the previous one.
+struct TrackingReference {
+  Rigid3d T_odom_prev;
+  const LocalMap& map;
+  const LandmarkMap& landmarks;
+  bool map_step_is_due = true;
+};
+
+// Where a frame may be.
+struct PoseHypothesis {
+  Rigid3d T_odom_lidar;
+  Matrix6d covariance = Matrix6d::Identity();  // right perturbation, [rotation, translation]
+  // The motion since the previous frame: moves the points of a raw sweep and, where the previous
+  // frame's pose is known, is where odometry begins.
+  MotionPrediction motion;
+  bool use_odometry = true;
+
+  static PoseHypothesis Of(const MotionPrediction& motion, const Rigid3d& T_odom_prev) {
+    return {T_odom_prev * motion.T_prev_cur, motion.covariance, motion, true};
+  }
+};
+
+// A hypothesis, followed to its end.
+struct TrackedPose {
+  MotionPrediction start;    // the hypothesis's motion
+  MotionEstimate odometry;   // T_ref_body = T_{k-1,k}
+  ScanToMapResult map_step;  // in the odometry frame; status kFirst where it did not run
+  Rigid3d T_odom_lidar;
+  Matrix6d step_covariance = Matrix6d::Zero();  // of T_{k-1,k}, right perturbation
+  bool is_measured = false;  // by odometry or map step; false: the pose is the prediction
+  KeyframeCloud cloud;       // F_ls, F_lf compensated by the motion found
+  std::vector<uint32_t> map_step_source;  // of each plane match: index into F_lf
+  MapFit fit;                             // of what stands above the ground, at T_odom_lidar
+
+  Rigid3d Motion(const Rigid3d& T_odom_prev) const { return T_odom_prev.Inverse() * T_odom_lidar; }
+};
+
+class FrameTracker {
+ public:
+  FrameTracker(const SensorSetup& setup, Deskew deskew, const SlamOptions& options);
+
+  // Follows a hypothesis of the pose of `frame`. Times are added to `times`.
+  TrackedPose Follow(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
+                     const TrackingReference& reference, const Executor& executor,
+                     StageTimes* times);
+
+  // The frame's features, compensated, become what the next frame's odometry is matched against.
+  void Advance(const PreprocessedFrame& frame, const KeyframeCloud& cloud);
+
+  // F_ls and F_lf moved to the frame's stamp; unchanged if scans are compensated already.
+  KeyframeCloud Compensate(const PreprocessedFrame& frame, const Rigid3d& T_prev_cur,
+                           double duration_s) const;
+  // Scans come compensated: nothing has to be done.
+  bool is_compensated() const { return deskew_ == Deskew::kNone; }
+
+ private:
+  void EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
+                      const TrackingReference& reference, const Executor& executor,
+                      TrackedPose* tracked);
+  void RefineAgainstMap(const PreprocessedFrame& frame, const TrackingReference& reference,
+                        const Executor& executor, TrackedPose* tracked) const;
+
+  SensorSetup setup_;
+  Deskew deskew_;
+  SlamOptions options_;
+  VisualLidarOdometry odometry_;
+};
+
+}  // namespace tvl

@@ -1,0 +1,63 @@
+#include "tvl/slam/health.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+
+void HealthOptions::Check() const {
+  TVL_CHECK_INPUT(window_frames >= 1) << "health.window_frames: must be at least 1";
+  TVL_CHECK_INPUT(first_usual_misfit >= 0.0 && first_usual_misfit <= 1.0)
+      << "health.first_usual_misfit: must lie in 0..1";
+  TVL_CHECK_INPUT(suspicious_rise > 0.0 && lost_rise >= suspicious_rise)
+      << "health.suspicious_rise, lost_rise: want 0 < suspicious <= lost";
+  TVL_CHECK_INPUT(suspicious_innovation_m > 0.0 && suspicious_innovation_rad > 0.0)
+      << "health.suspicious_innovation_m, suspicious_innovation_rad: must be positive";
+  TVL_CHECK_INPUT(min_judged >= 1) << "health.min_judged: must be at least 1";
+  TVL_CHECK_INPUT(min_better_sigmas >= 0.0) << "health.min_better_sigmas: must not be negative";
+}
+
+HealthMonitor::HealthMonitor(const HealthOptions& options) : options_(options) { options_.Check(); }
+
+double HealthMonitor::usual_misfit() const {
+  std::vector<double> misfits(misfits_.begin(), misfits_.end());
+  for (int i = 0; i < 3; ++i) misfits.push_back(options_.first_usual_misfit);
+  const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
+  std::nth_element(misfits.begin(), middle, misfits.end());
+  return *middle;
+}
+
+Health HealthMonitor::Judge(const TrackedPose& tracked, const Rigid3d& T_odom_expected,
+                            bool was_lost) const {
+  if (!tracked.is_measured) return Health::kBad;
+  const Rigid3d innovation = T_odom_expected.Inverse() * tracked.T_odom_lidar;
+  const bool is_leap = innovation.t().norm() > options_.suspicious_innovation_m ||
+                       innovation.RotationAngle() > options_.suspicious_innovation_rad;
+  // Where nothing about the vehicle can be judged, a leap has nothing to show for itself.
+  if (tracked.fit.judged < options_.min_judged) return is_leap ? Health::kBad : Health::kGood;
+  const double rise = tracked.fit.mean - usual_misfit();
+  if (rise > options_.lost_rise) return Health::kBad;
+  if (rise > options_.suspicious_rise) {
+    return is_leap || was_lost ? Health::kBad : Health::kSuspicious;
+  }
+  return is_leap ? Health::kSuspicious : Health::kGood;
+}
+
+bool HealthMonitor::IsBetter(const TrackedPose& challenger, const TrackedPose& champion,
+                             double sigmas) const {
+  if (!challenger.is_measured) return false;
+  if (!champion.is_measured) return true;
+  const FitComparison comparison = Compare(challenger.fit, champion.fit);
+  return comparison.common >= options_.min_judged &&
+         comparison.better > sigmas * comparison.standard_error;
+}
+
+void HealthMonitor::Learn(const TrackedPose& tracked) {
+  if (tracked.fit.judged < options_.min_judged) return;
+  misfits_.push_back(tracked.fit.mean);
+  if (misfits_.size() > static_cast<size_t>(options_.window_frames)) misfits_.pop_front();
+}
+
+}  // namespace tvl

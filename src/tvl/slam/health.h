@@ -1,0 +1,39 @@
+// Is a pose to be believed? Judged by how the scan lies on the map, compared with how it usually
+// does, and by how far the pose is from what was expected.
+#pragma once
+
+#include <deque>
+
+#include "tvl/slam/frame_tracker.h"
+#include "tvl/slam/health_options.h"
+
+namespace tvl {
+
+enum class Health {
+  kGood,
+  kSuspicious,  // other hypotheses should be tried
+  kBad,         // the pose is not to be believed
+};
+
+class HealthMonitor {
+ public:
+  explicit HealthMonitor(const HealthOptions& options);
+
+  // `T_odom_expected` is where the motion model has the frame. A pose far from it, and any after
+  // the vehicle was lost (`was_lost`), is believed only if its scan lies on the map as usual.
+  Health Judge(const TrackedPose& tracked, const Rigid3d& T_odom_expected, bool was_lost) const;
+  // Whether `challenger` lies on the map better than `champion` by more than `sigmas` standard
+  // errors.
+  bool IsBetter(const TrackedPose& challenger, const TrackedPose& champion, double sigmas) const;
+  double min_better_sigmas() const { return options_.min_better_sigmas; }
+
+  // The pose was believed: its misfit is what is usual here.
+  void Learn(const TrackedPose& tracked);
+  double usual_misfit() const;
+
+ private:
+  HealthOptions options_;
+  std::deque<double> misfits_;
+};
+
+}  // namespace tvl

@@ -1,0 +1,128 @@
+// Finds the pose of each frame, and says whether it is to be believed.
+//
+// Constant velocity is followed first. Where there is doubt (no velocity yet, an irregular stamp, a
+// gap, a repeated scan, a frame before that was not tracked, a scan that does not lie on the map as
+// usual), other motions are followed beside it, and the one whose scan lies best on the map wins.
+// Where none does, the vehicle is lost: the pose is held forward, its covariance grows, and every
+// scan is tried against the surroundings of the last known pose until one fits.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tvl/slam/frame_clock.h"
+#include "tvl/slam/frame_tracker.h"
+#include "tvl/slam/health.h"
+#include "tvl/slam/motion_model.h"
+#include "tvl/slam/pose_search.h"
+
+namespace tvl {
+
+// How a frame's pose came about.
+enum class FrameStatus {
+  kFirst,      // the world's origin, or the first scan there is
+  kTracked,    // measured in all directions
+  kDegraded,   // measured, but some direction by prediction alone, or by the camera alone
+  kPredicted,  // nothing usable in the frame: bridged by constant velocity, for less than a second
+  kLost,       // the pose is not known; it is held forward and says nothing
+};
+const char* ToString(FrameStatus status);
+// Whether the pose was measured and is to be believed.
+bool IsMeasured(FrameStatus status);
+
+// Where the pose that was taken began.
+enum class PoseOrigin {
+  kPrediction,   // constant velocity over the periods that the stamps say
+  kOtherMotion,  // constant velocity over another number of periods, or none
+  kAlignment,    // a coarse alignment with the map, without a guess
+  kNone,         // no pose was found
+};
+const char* ToString(PoseOrigin origin);
+
+// The stretch before a pose that was found again: its frames are to be moved so that they lead from
+// the last known pose to this one.
+struct Bridge {
+  Rigid3d T_odom_known;  // of the last frame that was measured
+  int periods = 1;       // from there to this frame
+};
+
+struct FoundPose {
+  TrackedPose tracked;
+  FrameStatus status = FrameStatus::kFirst;
+  PoseOrigin origin = PoseOrigin::kPrediction;
+  int hypotheses = 1;         // followed
+  double usual_misfit = 0.0;  // what MapFit::mean was compared with
+  // Lost, but one hypothesis lies clearly better than all others: the next frame begins there. It
+  // is believed, and written to the map, only when a later scan lies on the map as usual.
+  bool is_provisional = false;
+  std::optional<Bridge> bridge;
+  // The first motion of raw scans also compensates the scan before it: its features, anew.
+  std::optional<KeyframeCloud> previous_cloud;
+};
+
+// What the finder is told of a frame besides its data.
+struct FrameContext {
+  FrameInterval interval;
+  bool is_doubtful = false;  // something about the input is wrong, e.g. a scan was repeated
+};
+
+class PoseFinder {
+ public:
+  PoseFinder(const SensorSetup& setup, Deskew deskew, const SlamOptions& options);
+
+  // What is expected, before the frame is preprocessed.
+  MotionPrediction Predict(const FrameInterval& interval) const {
+    return motion_.Predict(interval.periods, interval.period_s);
+  }
+
+  // The pose of the next frame against `map`, in the odometry frame.
+  FoundPose Find(const PreprocessedFrame& frame, const FrameContext& context, const LocalMap& map,
+                 const LandmarkMap& landmarks, const Executor& executor, StageTimes* times);
+
+  // The frame whose pose was found is what the next one is matched against.
+  void Advance(PreprocessedFrame frame, const FoundPose& found, const FrameContext& context);
+
+  // The map begins anew at the last frame, where it was held forward to.
+  void Restart();
+
+  const PreprocessedFrame& last_frame() const { return last_; }
+  const MotionModel& motion() const { return motion_; }
+
+ private:
+  struct Search;
+  FoundPose First(const PreprocessedFrame& frame, const FrameContext& context) const;
+  FoundPose FindStart(const PreprocessedFrame& frame, const FrameContext& context,
+                      const LandmarkMap& landmarks, const Executor& executor, StageTimes* times);
+  TrackedPose FollowStart(const PreprocessedFrame& frame, MotionPrediction start,
+                          const LandmarkMap& landmarks, const Executor& executor, StageTimes* times,
+                          KeyframeCloud* previous_cloud);
+  void TryMotions(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
+  void TryAlignments(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
+  // Of coarse alignments, those with the smallest misfit as they are, best first.
+  std::vector<Rigid3d> BestLying(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
+                                 const LocalMap& map,
+                                 const std::vector<Rigid3d>& T_odom_lidar) const;
+  Health Judge(const Search& search) const;
+  // Whether the best hypothesis lies clearly better than all others that ended elsewhere.
+  bool IsClearWinner(const Search& search) const;
+  FrameStatus StatusOf(const PreprocessedFrame& frame, const TrackedPose& tracked,
+                       Health health) const;
+  TrackedPose HeldForward(const PreprocessedFrame& frame, const MotionPrediction& predicted) const;
+
+  SensorSetup setup_;
+  SlamOptions options_;
+  FrameTracker tracker_;
+  MotionModel motion_;
+  HealthMonitor health_;
+  bool has_first_ = false;       // a scan has been seen
+  bool was_measured_ = false;    // the last frame's pose
+  bool is_provisional_ = false;  // FoundPose::is_provisional of the last frame
+  bool is_settled_ = false;      // it was where constant velocity had it
+  int frames_ = 0;
+  int periods_unknown_ = 0;  // since the last known pose
+  Rigid3d T_odom_prev_, T_odom_known_;
+  Matrix6d covariance_unknown_ = Matrix6d::Zero();  // of the way since the last known pose
+  PreprocessedFrame last_;
+};
+
+}  // namespace tvl

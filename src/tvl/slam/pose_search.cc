@@ -1,0 +1,83 @@
+#include "tvl/slam/pose_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+namespace {
+
+// Multiples of the last motion that are tried: between them the map step's catchment of one voxel
+// reaches at town speed, beyond them the alignment without a guess does.
+constexpr int kMultiples[] = {1, 0, 2, 3, 4};
+
+// Seen from above: the points that stand above the ground.
+std::vector<Eigen::Vector2f> Raised(const std::vector<Eigen::Vector3f>& points,
+                                    double min_height_m) {
+  const std::vector<char> is_raised = AboveGround(points, min_height_m);
+  std::vector<Eigen::Vector2f> raised;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (is_raised[i] != 0) raised.push_back(points[i].head<2>());
+  }
+  return raised;
+}
+
+}  // namespace
+
+void PoseSearchOptions::Check() const {
+  TVL_CHECK_INPUT(radius_m > 0.0 && start_radius_m > 0.0)
+      << "search.radius_m, start_radius_m: must be positive";
+  TVL_CHECK_INPUT(yaw_window_rad > 0.0 && lost_yaw_window_rad > 0.0)
+      << "search.yaw_window_rad, lost_yaw_window_rad: must be positive";
+  TVL_CHECK_INPUT(min_height_m > 0.0) << "search.min_height_m: must be positive";
+  TVL_CHECK_INPUT(max_followed >= 1) << "search.max_followed: must be at least 1";
+  bev.Check();
+}
+
+std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
+                                                 const FrameInterval& interval) {
+  std::vector<int> periods = {interval.periods};
+  const auto add = [&](int n) {
+    if (std::find(periods.begin(), periods.end(), n) == periods.end()) periods.push_back(n);
+  };
+  add(interval.nearest_periods);
+  for (const int multiple : kMultiples) add(multiple);
+  std::vector<MotionPrediction> motions;
+  for (const int n : periods) motions.push_back(model.Predict(n, interval.period_s));
+  return motions;
+}
+
+std::vector<Rigid3d> AlignWithoutGuess(const std::vector<Eigen::Vector3f>& points,
+                                       const LocalMap& map, const Rigid3d& T_odom_known,
+                                       double radius_m, double yaw_window_rad,
+                                       const PoseSearchOptions& options, const Executor& executor) {
+  const Rigid3d T_known_odom = T_odom_known.Inverse();
+  const double reach_m = radius_m + options.bev.range_m;
+  std::vector<Eigen::Vector3f> occupied;
+  for (const Eigen::Vector3f& p_odom : map.planes().OccupiedPlaces()) {
+    const Eigen::Vector3d p = T_known_odom * p_odom.cast<double>();
+    if (p.head<2>().norm() < reach_m) occupied.push_back(p.cast<float>());
+  }
+  BevTarget target;
+  target.raised = Raised(occupied, options.min_height_m);
+  for (const Eigen::Vector3d& p_odom : map.planes().KnownPlaces()) {
+    const Eigen::Vector3d p = T_known_odom * p_odom;
+    if (p.head<2>().norm() < reach_m) target.known.push_back(p.head<2>().cast<float>());
+  }
+  // Rings on the road are up to a voxel apart: with its neighbours each stands for the ground.
+  target.known_m = 3.0 * map.planes().coarsest_m();
+  BevSearch search;
+  search.radius_m = radius_m;
+  search.yaw_window_rad = yaw_window_rad;
+  std::vector<Rigid3d> poses;
+  for (const BevPeak& peak : AlignBevToKnown(target, Raised(points, options.min_height_m), search,
+                                             options.bev, executor)) {
+    const Rigid3d T_known_cur(ExpSo3({0.0, 0.0, peak.yaw_rad}),
+                              Eigen::Vector3d(peak.x_m, peak.y_m, 0.0));
+    poses.push_back(T_odom_known * T_known_cur);
+  }
+  return poses;
+}
+
+}  // namespace tvl

@@ -1,0 +1,202 @@
+// Stamps, repeated and lost scans, starts at speed and blackouts, through the whole system.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "tvl/slam/slam_system.h"
+#include "tvl/slam/test_drive.h"
+
+namespace tvl {
+namespace {
+
+using synthetic::Drive;
+using synthetic::DriveOptions;
+
+// A frame as it is delivered: which of the drive's frames, and with which stamp.
+struct Delivery {
+  size_t physical = 0;
+  double stamp_s = 0.0;
+  bool dark = false;  // neither scan nor image
+};
+
+struct Played {
+  std::vector<Delivery> deliveries;
+  std::vector<FrameResult> frames;
+  Trajectory trajectory;
+};
+
+SlamOptions LidarOnly() {
+  SlamOptions options;
+  options.use_camera = false;
+  options.loops.enabled = false;
+  return options;
+}
+
+DriveOptions Straight(size_t frames, double speed_m_s, Deskew spin = Deskew::kNone) {
+  DriveOptions options;
+  options.frames = frames;
+  options.speed_m_s = speed_m_s;
+  options.sway_m = 0.3;
+  options.spin = spin;
+  return options;
+}
+
+std::vector<Delivery> AsDriven(size_t frames) {
+  std::vector<Delivery> deliveries;
+  for (size_t k = 0; k < frames; ++k) deliveries.push_back({k, 0.1 * static_cast<double>(k)});
+  return deliveries;
+}
+
+// As if the frames that are left had been taken one after the other.
+std::vector<Delivery> Renumbered(std::vector<Delivery> deliveries) {
+  for (size_t i = 0; i < deliveries.size(); ++i) {
+    deliveries[i].stamp_s = 0.1 * static_cast<double>(i);
+  }
+  return deliveries;
+}
+
+Played Play(const Drive& drive, const std::vector<Delivery>& deliveries, Deskew deskew) {
+  const Executor executor(2);
+  SlamSystem system(drive.setup(), deskew, LidarOnly());
+  Played played{deliveries, {}, {}};
+  for (size_t i = 0; i < deliveries.size(); ++i) {
+    SensorFrame frame = drive.Frame(deliveries[i].physical);
+    frame.id = static_cast<FrameId>(i);
+    frame.stamp = Timestamp::FromSeconds(100.0 + deliveries[i].stamp_s);
+    if (deliveries[i].dark) frame.scan = nullptr;
+    played.frames.push_back(system.ProcessFrame(frame, executor));
+  }
+  system.Finish();
+  played.trajectory = system.trajectory();
+  return played;
+}
+
+double Error_m(const Drive& drive, const Played& played, size_t i) {
+  const Rigid3d T_true = drive.Truth(played.deliveries.front().physical).Inverse() *
+                         drive.Truth(played.deliveries[i].physical);
+  return (played.trajectory[i].T_world_lidar.t() - T_true.t()).norm();
+}
+
+// No frame that claims to be measured is off; at the end the vehicle is where it is.
+void ExpectRight(const Drive& drive, const Played& played, double max_error_m) {
+  for (size_t i = 0; i < played.frames.size(); ++i) {
+    if (!IsMeasured(played.frames[i].status)) continue;
+    EXPECT_LT(Error_m(drive, played, i), max_error_m)
+        << "frame " << i << " " << ToString(played.frames[i].status);
+  }
+  EXPECT_TRUE(IsMeasured(played.frames.back().status));
+}
+
+bool HasFault(const FrameResult& frame, FrameFault::Kind kind) {
+  return std::any_of(frame.faults.begin(), frame.faults.end(),
+                     [&](const FrameFault& fault) { return fault.kind == kind; });
+}
+
+class FaultsOn : public ::testing::TestWithParam<Deskew> {};
+
+TEST_P(FaultsOn, StampsThatLieCostNothing) {
+  const Drive drive(Straight(36, 9.0, GetParam()));
+  using Change = std::function<double(size_t, double)>;
+  const std::vector<std::pair<const char*, Change>> changes = {
+      {"one 98 ms late", [](size_t k, double s) { return k == 20 ? s + 0.098 : s; }},
+      {"odd 90 ms late", [](size_t k, double s) { return k % 2 == 1 ? s + 0.09 : s; }},
+      {"rounded", [](size_t, double s) { return 0.25 * std::round(s / 0.25); }},
+      {"clock set on", [](size_t k, double s) { return k < 20 ? s : s + 20.0; }},
+      {"one far ahead", [](size_t k, double s) { return k == 20 ? s + 1000.0 : s; }},
+      {"all equal", [](size_t, double) { return 0.0; }}};
+  for (const auto& [name, change] : changes) {
+    SCOPED_TRACE(name);
+    std::vector<Delivery> deliveries = AsDriven(36);
+    for (size_t k = 0; k < 36; ++k) deliveries[k].stamp_s = change(k, deliveries[k].stamp_s);
+    ExpectRight(drive, Play(drive, deliveries, GetParam()), 0.1);
+  }
+}
+
+// The walls of this street are smooth and its boxes few: what two lost scans change cannot be told
+// by them. real_faults_test.cc has fewer lost scans, on a real street.
+TEST_P(FaultsOn, LostScansAreFoundOut) {
+  const Drive drive(Straight(40, 9.0, GetParam()));
+  std::vector<Delivery> deliveries = AsDriven(40);
+  deliveries.erase(deliveries.begin() + 20, deliveries.begin() + 25);
+  ExpectRight(drive, Play(drive, deliveries, GetParam()), 0.15);
+  const Played renumbered = Play(drive, Renumbered(deliveries), GetParam());
+  ExpectRight(drive, renumbered, 0.15);
+  EXPECT_NE(renumbered.frames[20].origin, PoseOrigin::kPrediction);
+}
+
+TEST_P(FaultsOn, RepeatedScansAreLeftOut) {
+  const Drive drive(Straight(20, 9.0, GetParam()));
+  std::vector<Delivery> twice;
+  for (size_t k = 0; k < 40; ++k) twice.push_back({k / 2, 0.1 * static_cast<double>(k)});
+  const Played played = Play(drive, twice, GetParam());
+  ExpectRight(drive, played, 0.1);
+  for (size_t i = 1; i < 40; i += 2) {
+    EXPECT_TRUE(HasFault(played.frames[i], FrameFault::Kind::kRepeatedScan)) << i;
+    EXPECT_FALSE(played.frames[i].is_keyframe);
+  }
+}
+
+TEST_P(FaultsOn, ADriveMayBeginAtSpeed) {
+  for (const double speed_m_s : {5.0, 15.0, 28.0}) {
+    SCOPED_TRACE(speed_m_s);
+    const Drive drive(Straight(8, speed_m_s, GetParam()));
+    ExpectRight(drive, Play(drive, AsDriven(8), GetParam()), 0.2);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(CompensatedAndRaw, FaultsOn,
+                         ::testing::Values(Deskew::kNone, Deskew::kClockwise));
+
+TEST(Faults, AfterABlackoutThePoseIsFoundAgainAndTheStretchBridged) {
+  const Drive drive(Straight(44, 9.0));
+  std::vector<Delivery> deliveries = AsDriven(44);
+  for (size_t k = 22; k < 28; ++k) deliveries[k].dark = true;
+  const Played played = Play(drive, deliveries, Deskew::kNone);
+  ExpectRight(drive, played, 0.15);
+  for (size_t k = 22; k < 28; ++k) {
+    EXPECT_FALSE(IsMeasured(played.frames[k].status)) << k;
+    EXPECT_FALSE(played.frames[k].is_keyframe);
+    EXPECT_LT(Error_m(drive, played, k), 0.3) << "bridged, frame " << k;
+  }
+}
+
+// Out of the dark 5 m beside where prediction has it: nothing in between is written.
+TEST(Faults, AVehicleThatWasCarriedAwayIsLostAndFoundAgain) {
+  const Drive drive(Straight(60, 9.0));
+  std::vector<Delivery> deliveries = AsDriven(60);
+  for (size_t k = 24; k < 29; ++k) deliveries[k].dark = true;
+  deliveries.erase(deliveries.begin() + 29, deliveries.begin() + 35);
+  const Played played = Play(drive, Renumbered(deliveries), Deskew::kNone);
+  ExpectRight(drive, played, 0.2);
+  const auto found = std::find_if(played.frames.begin() + 29, played.frames.end(),
+                                  [](const FrameResult& f) { return IsMeasured(f.status); });
+  EXPECT_LE(found - (played.frames.begin() + 29), 10);
+}
+
+// Nothing of this drive is anywhere near the last scans: the vehicle is lost, says so, and goes on.
+TEST(Faults, InAnotherPlaceThePoseIsLostAndTheMapBeginsAnew) {
+  const Drive drive(Straight(24, 9.0));
+  const Executor executor(2);
+  SlamSystem system(drive.setup(), Deskew::kNone, LidarOnly());
+  std::vector<FrameResult> frames;
+  for (size_t i = 0; i < 46; ++i) {
+    SensorFrame frame = drive.Frame(i % 24);
+    frame.id = static_cast<FrameId>(i);
+    frame.stamp = Timestamp::FromSeconds(0.1 * static_cast<double>(i));
+    if (i >= 24) {  // the street lies across now, and twice as wide
+      auto scan = std::make_shared<LidarScan>(*frame.scan);
+      for (Eigen::Vector3f& p : scan->points) p = Eigen::Vector3f(p.y(), 1.7f * p.x(), p.z());
+      frame.scan = scan;
+    }
+    frames.push_back(system.ProcessFrame(frame, executor));
+  }
+  EXPECT_EQ(frames[24].status, FrameStatus::kLost);
+  EXPECT_FALSE(frames[24].is_keyframe);
+  EXPECT_GT(frames[30].step_covariance(3, 3), frames[20].step_covariance(3, 3));
+  EXPECT_TRUE(std::any_of(frames.begin(), frames.end(),
+                          [](const FrameResult& f) { return f.map_begins_anew; }));
+}
+
+}  // namespace
+}  // namespace tvl
