@@ -73,6 +73,7 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       clock_(setup.lidar.sweep_s, options_.clock),
       local_map_(options_.mapping.local_map),
       landmarks_(setup_.calibration, options_.mapping.landmarks),
+      moving_tracks_(setup_.calibration, options_.mapping.moving_tracks),
       beams_(setup.lidar.rows(), options_.mapping.beams),
       loop_thread_(in_background && options_.loops.enabled) {
   setup_.lidar.Check();
@@ -99,6 +100,9 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   PreprocessedFrame current =
       preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
                             executor, &result.times);
+  const FeatureTracks all_tracks = current.tracks;
+  const VisualDepths all_depths = current.depths;
+  result.tracks_moving = moving_tracks_.Remove(&current.tracks, &current.depths);
 
   const FoundPose found =
       finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);
@@ -110,6 +114,8 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   if (IsMeasured(result.status)) {
     CalibrateBeams(found, current);
     if (options_.use_camera) {
+      if (found.bridge) moving_tracks_.Forget();
+      moving_tracks_.Update(all_tracks, all_depths, result.T_odom_lidar);
       landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
     }
   }
@@ -268,6 +274,7 @@ void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   local_map_ = LocalMap(options_.mapping.local_map);
   AddKeyframe(result, {last_cloud_, {}}, executor);
   finder_.Restart();
+  moving_tracks_.Forget();
   lost_scans_ = 0;
 }
 
