@@ -233,7 +233,7 @@ std::vector<Rigid3d> PoseFinder::BestLying(const PreprocessedFrame& frame,
                                            const std::vector<Rigid3d>& T_odom_lidar) const {
   MapFitOptions coarse = options_.mapping.fit;
   coarse.max_distance_m = kAlignedReach_m;
-  const std::vector<uint32_t> sample = SampleForFit(frame.features.less_flat, coarse);
+  const std::vector<FitSample> sample = SampleForFit(frame.features.less_flat, coarse);
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < T_odom_lidar.size(); ++i) {
     const MapFit fit = FitToMap(cloud.planes.points, sample, map, T_odom_lidar[i], coarse);
@@ -374,6 +374,13 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
   T_odom_prev_ = tracked.T_odom_lidar;
   last_ = std::move(frame);
   ++frames_;
+}
+
+double PoseFinder::MayHaveTravelled_m() const {
+  constexpr double kSpeedingUp_m_s2 = 1.5;  // a car in town
+  const double time_s = periods_unknown_ * setup_.lidar.sweep_s;
+  return periods_unknown_ * motion_.T_period().t().norm() +
+         0.5 * kSpeedingUp_m_s2 * time_s * time_s;
 }
 
 void PoseFinder::Restart() {

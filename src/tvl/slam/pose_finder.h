@@ -85,6 +85,9 @@ class PoseFinder {
   // The map begins anew at the last frame, where it was held forward to.
   void Restart();
 
+  // How far the vehicle may be from its last known pose, m: at its last speed, and speeding up.
+  double MayHaveTravelled_m() const;
+
   const PreprocessedFrame& last_frame() const { return last_; }
   const MotionModel& motion() const { return motion_; }
 

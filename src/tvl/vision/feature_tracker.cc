@@ -81,7 +81,7 @@ FeatureTracks FeatureTracker::Track(const cv::Mat& image, const Camera& camera,
   if (current.size() == previous_.size()) result = Follow(current, camera, predicted);
   const double wanted = options_.refill_share * options_.max_features;
   if (static_cast<double>(result.tracks.size()) < wanted || result.tracks.empty()) {
-    for (FeatureTrack& track : Detect(current.gradient(), camera, result.tracks)) {
+    for (FeatureTrack& track : Detect(current.gradient(), grey, camera, result.tracks)) {
       track.id = next_id_++;
       result.tracks.push_back(track);
       ++result.added;
@@ -122,11 +122,13 @@ FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& 
   return result;
 }
 
-std::vector<FeatureTrack> FeatureTracker::Detect(const cv::Mat& gradient, const Camera& camera,
+std::vector<FeatureTrack> FeatureTracker::Detect(const cv::Mat& gradient, const cv::Mat& grey,
+                                                 const Camera& camera,
                                                  const std::vector<FeatureTrack>& kept) const {
   const int count = options_.max_features - static_cast<int>(kept.size());
   std::vector<FeatureTrack> found;
-  for (const cv::Point2f& px : DetectCorners(gradient, Positions(kept), count, options_.corners)) {
+  for (const cv::Point2f& px :
+       DetectCorners(gradient, grey, Positions(kept), count, options_.corners)) {
     FeatureTrack track;
     track.px_cam = track.px_cam_prev = ToEigen(px);
     track.ray_cam = camera.Unproject(track.px_cam);
