@@ -6,6 +6,12 @@
 #include "tvl/base/check.h"
 
 namespace tvl {
+namespace {
+
+// A tenth of the tracks: far more than chance takes from one of two equal hypotheses.
+constexpr double kClearlyLess = 0.1;
+
+}  // namespace
 
 void HealthOptions::Check() const {
   TVL_CHECK_INPUT(window_frames >= 1) << "health.window_frames: must be at least 1";
@@ -52,19 +58,27 @@ bool HealthMonitor::IsBorneOut(const TrackedPose& tracked) const {
   return LiesOnWhatIsKnown(tracked) || CameraAgrees(tracked);
 }
 
-// Landmarks were placed in the world before: they confirm a pose without the scan.
+// Landmarks, and the points seen in the image before, were placed in the world then: they confirm a
+// pose without the scan.
 bool HealthMonitor::CameraAgrees(const TrackedPose& tracked) const {
-  constexpr int kEnoughLandmarks = 30;  // by chance not two of a hundred agree
   constexpr double kMostOfThem = 0.6;
-  const EstimateEvidence& evidence = tracked.map_step.estimate.evidence;
-  return evidence.visual >= kEnoughLandmarks &&
-         evidence.visual >= kMostOfThem * evidence.visual_offered;
+  return CameraShare(tracked) >= kMostOfThem;
+}
+
+double HealthMonitor::CameraShare(const TrackedPose& tracked) const {
+  constexpr int kEnough = 30;  // by chance not two of a hundred agree
+  double share = 0.0;
+  for (const EstimateEvidence& evidence :
+       {tracked.map_step.estimate.evidence, tracked.odometry.evidence}) {
+    if (evidence.visual < kEnough) continue;
+    share = std::max(share, static_cast<double>(evidence.visual) / evidence.visual_offered);
+  }
+  return share;
 }
 
 bool HealthMonitor::LiesOnWhatIsKnown(const TrackedPose& tracked) const {
-  constexpr double kEnoughShare = 0.15;  // of the judged points: all else may be traffic
   const KnownFit& known = tracked.known_fit;
-  return known.judged >= std::max<double>(options_.min_judged, kEnoughShare * tracked.fit.judged) &&
+  return known.judged >= options_.min_judged &&
          known.mean - usual_misfit() < options_.suspicious_rise;
 }
 
@@ -74,7 +88,10 @@ bool HealthMonitor::IsBetter(const TrackedPose& challenger, const TrackedPose& c
   if (!champion.is_measured) return true;
   // Where traffic hides most of what is known, or the known ends, any pose fits the rest better by
   // chance: what the known things, or the landmarks, bear out is not given up for it.
-  if (IsBorneOut(champion) && !IsBorneOut(challenger)) return false;
+  if (LiesOnWhatIsKnown(champion) && !LiesOnWhatIsKnown(challenger)) return false;
+  if (CameraAgrees(champion) && CameraShare(challenger) < CameraShare(champion) - kClearlyLess) {
+    return false;
+  }
   const FitComparison comparison = Compare(challenger.fit, champion.fit);
   return comparison.common >= options_.min_judged &&
          comparison.better > sigmas * comparison.standard_error;

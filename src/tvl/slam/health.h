@@ -39,6 +39,8 @@ class HealthMonitor {
   // What is not new lies on the map as usual, and is enough to tell.
   bool LiesOnWhatIsKnown(const TrackedPose& tracked) const;
   bool CameraAgrees(const TrackedPose& tracked) const;
+  // Share of the visual matches that agree with laser and prediction; 0 if there are too few.
+  double CameraShare(const TrackedPose& tracked) const;
 
   HealthOptions options_;
   std::deque<double> misfits_;
