@@ -115,7 +115,10 @@ KnownFit FitOfKnownThings(const MapFit& fit) {
   KnownFit known;
   double sum = 0.0;
   for (const auto& [label, cluster] : SumByCluster(fit)) {
-    if (IsNewObject(label, cluster)) continue;
+    if (IsNewObject(label, cluster)) {
+      known.new_things.insert(label);
+      continue;
+    }
     known.judged += cluster.weight;
     sum += cluster.cost;
   }

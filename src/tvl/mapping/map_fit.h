@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <set>
 #include <vector>
 
 #include "tvl/frame/laser_features.h"
@@ -58,6 +59,7 @@ MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<Fi
 struct KnownFit {
   double judged = 0.0;  // as MapFit
   double mean = 1.0;
+  std::set<int32_t> new_things;  // labels of the clusters left out
 };
 KnownFit FitOfKnownThings(const MapFit& fit);
 

@@ -21,6 +21,14 @@ double Accumulate(const Residual<N>& residual, double information, double kernel
   return weight;
 }
 
+void AddLever(const Eigen::Vector3d& p_body, const Eigen::Matrix<double, 1, 3>& J_rotation,
+              double weight, LaserSum* sum) {
+  Eigen::Matrix3d& lever = sum->plane_lever_m2;
+  lever.diagonal().array() += weight * p_body.squaredNorm();
+  lever.noalias() -= (weight * p_body) * p_body.transpose();
+  lever.noalias() -= (weight * J_rotation.transpose()) * J_rotation;
+}
+
 template <typename Match>
 LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t end,
                         const SweepMotion& motion, double kernel_sigmas) {
@@ -34,6 +42,7 @@ LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t 
     if constexpr (std::is_same_v<Match, PlaneMatch>) {
       sum.plane_sq_m2 += residual.r.squaredNorm();
       sum.plane_information += weight;
+      AddLever(matches[i].factor.p_body, residual.J.template head<3>(), weight, &sum);
     } else {
       sum.line_sq_m2 += residual.r.squaredNorm();
     }
@@ -48,6 +57,7 @@ LaserSum& LaserSum::operator+=(const LaserSum& other) {
   plane_sq_m2 += other.plane_sq_m2;
   line_sq_m2 += other.line_sq_m2;
   plane_information += other.plane_information;
+  plane_lever_m2 += other.plane_lever_m2;
   return *this;
 }
 

@@ -35,6 +35,9 @@ struct LaserSum {
   double plane_sq_m2 = 0.0, line_sq_m2 = 0.0;  // sums of squared residuals
   // Sum of the robust information of all planes: scales the information that noisy normals leak.
   double plane_information = 0.0;
+  // The same for rotations: a normal that is off by one radian across would add
+  // information (|p|^2 I - p p' - (p x n)(p x n)') of a rotation that the plane does not hold.
+  Eigen::Matrix3d plane_lever_m2 = Eigen::Matrix3d::Zero();
 
   LaserSum& operator+=(const LaserSum& other);
 };

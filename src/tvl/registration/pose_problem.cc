@@ -1,8 +1,10 @@
 #include "tvl/registration/pose_problem.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "tvl/factors/pose_prior.h"
 
@@ -27,12 +29,21 @@ PriorTerm WholeAlongWeak(const PriorTerm& prior, const LaserShift& shift, const 
   PriorTerm whole = prior;
   if (prior.share <= 0.0 || prior.share >= 1.0 || !shift.any()) return whole;
   const Matrix6d covariance = (prior.information / prior.share).ldlt().solve(Matrix6d::Identity());
+  std::vector<int> weak;
   for (int i = 0; i < 6; ++i) {
-    if (shift.is_free[i] == 0.0) continue;
-    const Vector6d axis = shift.axes.col(i);
-    const double held_back = (1.0 - prior.share) * (1.0 - say[i]);
-    whole.information += held_back / axis.dot(covariance * axis) * axis * axis.transpose();
+    if (shift.is_free[i] != 0.0) weak.push_back(i);
   }
+  const auto count = static_cast<Eigen::Index>(weak.size());
+  Eigen::MatrixXd axes(6, count), without_say = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const int i = weak[static_cast<size_t>(k)];
+    axes.col(k) = shift.axes.col(i);
+    without_say(k, k) = std::sqrt(1.0 - say[i]);
+  }
+  // What the prior says of the weak directions, everything else marginalised out.
+  const Eigen::MatrixXd marginal = (axes.transpose() * covariance * axes).inverse();
+  whole.information +=
+      (1.0 - prior.share) * axes * without_say * marginal * without_say * axes.transpose();
   return whole;
 }
 

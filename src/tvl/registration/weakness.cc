@@ -39,7 +39,7 @@ struct Judgement {
 
 // Judges one block; returns the smallest ratio.
 double JudgeBlock(int first, const Matrix6d& H_laser, const Matrix6d& H_visual,
-                  const Eigen::Vector3d& leak, const BlockThresholds& thresholds,
+                  const Eigen::Matrix3d& leak, const BlockThresholds& thresholds,
                   Judgement* judgement) {
   const Solver3 eigen(MarginalBlock(H_laser, first));
   const Eigen::Matrix3d visual = MarginalBlock(H_visual, first);
@@ -49,7 +49,7 @@ double JudgeBlock(int first, const Matrix6d& H_laser, const Matrix6d& H_visual,
   double smallest = 1.0;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
-    const double leaked = leak.dot(axis.cwiseAbs2());
+    const double leaked = axis.dot(leak * axis);
     const double ratio = std::max(0.0, eigen.eigenvalues()[i] - leaked) / strongest;
     smallest = std::min(smallest, ratio);
     WeakDirection direction;
@@ -82,15 +82,14 @@ void WeaknessOptions::Check() const {
 Weakness AnalyseWeakness(const LaserSum& laser, const NormalEquations& visual,
                          const WeaknessOptions& options) {
   const double sin_sq = std::pow(std::sin(options.normal_sigma_rad), 2);
-  const Eigen::Vector3d leak = Eigen::Vector3d::Constant(laser.plane_information * sin_sq);
+  const Eigen::Matrix3d leak = laser.plane_information * sin_sq * Eigen::Matrix3d::Identity();
   Judgement judgement;
   Weakness weakness;
   weakness.translation_ratio =
       JudgeBlock(3, laser.normal.H, visual.H, leak,
                  {options.weak_translation, options.held_translation}, &judgement);
-  // Normals do not leak into rotation in proportion to their number: the lever arms decide, and a
-  // rotation no surface holds (a sphere) does not occur outdoors.
-  weakness.rotation_ratio = JudgeBlock(0, laser.normal.H, visual.H, Eigen::Vector3d::Zero(),
+  // On the plain the normals' noise alone would hold the yaw.
+  weakness.rotation_ratio = JudgeBlock(0, laser.normal.H, visual.H, sin_sq * laser.plane_lever_m2,
                                        {options.weak_rotation, options.held_rotation}, &judgement);
   weakness.shift = MakeLaserShift(judgement.axes, judgement.lambda, judgement.say);
   weakness.say = judgement.say;

@@ -236,5 +236,52 @@ TEST(LaserShift, AnswerFallsFromTheLasersToThePredictions) {
   EXPECT_NEAR(last_m, 0.0, 1e-5);
 }
 
+// Points of the ground around the lidar, with normals that are off by `normal_sigma_rad`.
+LaserMatches Plain(double normal_sigma_rad, uint64_t seed) {
+  Rng rng(seed);
+  LaserMatches matches;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d p(rng.Uniform(-25, 25), rng.Uniform(-25, 25), -1.7);
+    const Eigen::Vector3d n(normal_sigma_rad * rng.Normal(), normal_sigma_rad * rng.Normal(), 1.0);
+    matches.planes.push_back({{p, n.normalized(), p}, 1.0 / (0.05 * 0.05)});
+  }
+  return matches;
+}
+
+bool IsYaw(const WeakDirection& weak) {
+  return weak.is_rotation && std::abs(weak.axis_lidar.z()) > 0.9;
+}
+
+// Noise in the normals is no knowledge of the yaw, nor of the way over the plain.
+TEST(AnalyseWeakness, OnThePlainYawAndBothWaysAreWeak) {
+  for (const double sigma_rad : {0.0, 0.02, 0.035}) {
+    const LaserSum laser =
+        Linearize(Plain(sigma_rad, 4), Rigid3d(), SweepBins::Compensated(), 2.0, Executor(1));
+    const Weakness weakness = AnalyseWeakness(laser, NormalEquations(), WeaknessOptions());
+    int translations = 0, yaws = 0;
+    for (const WeakDirection& weak : weakness.directions) {
+      translations += !weak.is_rotation && std::abs(weak.axis_lidar.z()) < 0.1;
+      yaws += IsYaw(weak);
+    }
+    EXPECT_EQ(translations, 2) << sigma_rad;
+    EXPECT_EQ(yaws, 1) << sigma_rad;
+    EXPECT_EQ(weakness.directions.size(), 3U) << sigma_rad;
+  }
+}
+
+// A wall 10 m away holds the yaw, and the way towards it.
+TEST(AnalyseWeakness, OneWallHoldsTheYaw) {
+  LaserMatches matches = Plain(0.035, 5);
+  Rng rng(6);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d p(rng.Uniform(-15, 15), 10.0, rng.Uniform(-1.5, 1.0));
+    matches.planes.push_back({{p, Eigen::Vector3d(0, 1, 0), p}, 1.0 / (0.05 * 0.05)});
+  }
+  const LaserSum laser = Linearize(matches, Rigid3d(), SweepBins::Compensated(), 2.0, Executor(1));
+  const Weakness weakness = AnalyseWeakness(laser, NormalEquations(), WeaknessOptions());
+  ASSERT_EQ(weakness.directions.size(), 1U);
+  EXPECT_GT(std::abs(weakness.directions.front().axis_lidar.x()), 0.99);
+}
+
 }  // namespace
 }  // namespace tvl

@@ -24,6 +24,17 @@ FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
   return cloud;
 }
 
+FeatureCloud WithoutLabels(const FeatureCloud& cloud, const std::vector<LaserFeature>& features,
+                           const std::set<int32_t>& labels) {
+  FeatureCloud kept;
+  for (size_t i = 0; i < cloud.points.size(); ++i) {
+    if (labels.count(features[i].label) > 0) continue;
+    kept.points.push_back(cloud.points[i]);
+    kept.intensity.push_back(cloud.intensity[i]);
+  }
+  return kept;
+}
+
 }  // namespace
 
 FrameTracker::FrameTracker(const SensorSetup& setup, Deskew deskew, const SlamOptions& options)
@@ -40,6 +51,14 @@ KeyframeCloud FrameTracker::Compensate(const PreprocessedFrame& frame, const Rig
                                        double duration_s) const {
   return {CompensateFeatures(frame.features.less_sharp, T_prev_cur, duration_s, deskew_),
           CompensateFeatures(frame.features.less_flat, T_prev_cur, duration_s, deskew_)};
+}
+
+KeyframeCloud FrameTracker::WithoutNewThings(const PreprocessedFrame& frame,
+                                             const TrackedPose& tracked) const {
+  const std::set<int32_t>& labels = tracked.known_fit.new_things;
+  if (labels.empty()) return tracked.cloud;
+  return {WithoutLabels(tracked.cloud.edges, frame.features.less_sharp, labels),
+          WithoutLabels(tracked.cloud.planes, frame.features.less_flat, labels)};
 }
 
 void FrameTracker::EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,

@@ -70,6 +70,9 @@ class FrameTracker {
   // F_ls and F_lf moved to the frame's stamp; unchanged if scans are compensated already.
   KeyframeCloud Compensate(const PreprocessedFrame& frame, const Rigid3d& T_prev_cur,
                            double duration_s) const;
+  // What a keyframe keeps of the tracked frame: not what stands where the map knows that nothing
+  // stood, for it came there, and will leave.
+  KeyframeCloud WithoutNewThings(const PreprocessedFrame& frame, const TrackedPose& tracked) const;
   // Scans come compensated: nothing has to be done.
   bool is_compensated() const { return deskew_ == Deskew::kNone; }
 

@@ -163,6 +163,7 @@ PoseFinder::PoseFinder(const SensorSetup& setup, Deskew deskew, const SlamOption
       options_(options),
       tracker_(setup, deskew, options),
       motion_(options.motion),
+      before_restart_(options.motion),
       health_(options.health) {}
 
 FoundPose PoseFinder::First(const PreprocessedFrame& frame, const FrameContext& context) const {
@@ -203,7 +204,12 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
                                 const LandmarkMap& landmarks, const Executor& executor,
                                 StageTimes* times) {
   std::vector<MotionPrediction> starts(2, Predict(context.interval));
-  starts[1].known = true;  // standing; the first lets the odometry search
+  starts[1].known = true;         // standing; the first lets the odometry search
+  if (before_restart_.known()) {  // as before it was lost: the most probable
+    starts.insert(starts.begin(),
+                  before_restart_.Predict(context.interval.periods, context.interval.period_s));
+  }
+  const size_t probable = starts.size();
   const KeyframeCloud here = tracker_.Compensate(frame, Rigid3d(), context.interval.period_s);
   const KeyframeCloud before = tracker_.Compensate(last_, Rigid3d(), context.interval.period_s);
   LocalMap map(options_.mapping.local_map);
@@ -212,7 +218,7 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
       AllPoints(here), map, T_odom_prev_, options_.search.start_radius_m * context.interval.periods,
       options_.search.yaw_window_rad, options_.search, executor);
   for (const Rigid3d& T_odom : BestLying(frame, here, map, aligned)) {
-    starts.push_back(starts[1]);
+    starts.push_back(starts[probable - 1]);
     starts.back().T_prev_cur = T_odom_prev_.Inverse() * T_odom;
   }
   if (!tracker_.is_compensated() && context.interval.periods > 1) {
@@ -230,13 +236,14 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
     if (i > 0 && !health_.IsBetter(tracked, best.tracked, kStartSigmas)) continue;
     best.tracked = std::move(tracked);
     best.previous_cloud = std::move(previous);
-    best.origin = i < 2 ? PoseOrigin::kPrediction : PoseOrigin::kOtherMotion;
+    best.origin = i < probable ? PoseOrigin::kPrediction : PoseOrigin::kOtherMotion;
   }
   tracker_.Advance(last_, *best.previous_cloud);
   best.hypotheses = static_cast<int>(starts.size());
   if (tracker_.is_compensated()) best.previous_cloud.reset();
   best.status =
       StatusOf(frame, best.tracked, best.tracked.is_measured ? Health::kGood : Health::kBad);
+  best.is_vague = best.status == FrameStatus::kDegraded && IsStepVague(best.tracked);
   return best;
 }
 
@@ -301,6 +308,8 @@ TrackedPose PoseFinder::HeldForward(const PreprocessedFrame& frame,
 // frames in a row lie clearly better there than anywhere else.
 Health PoseFinder::Judge(const Search& search) const {
   const bool was_lost = !was_measured_ && !is_provisional_;
+  const bool is_unfounded = search.best.tracked.fit.judged < options_.health.min_judged;
+  if (is_provisional_ && is_unfounded) return Health::kBad;
   const Health health = health_.Judge(search.best.tracked, search.T_odom_expected, was_lost);
   const bool needs_confirmation = is_provisional_ && health == Health::kSuspicious;
   return needs_confirmation && !IsClearWinner(search) ? Health::kBad : health;
@@ -430,6 +439,7 @@ double PoseFinder::MayHaveTravelled_m() const {
 }
 
 void PoseFinder::Restart() {
+  before_restart_ = motion_;
   motion_.Forget();
   is_provisional_ = false;
   was_measured_ = true;

@@ -91,6 +91,10 @@ class PoseFinder {
   // How far the vehicle may be from its last known pose, m: at its last speed, and speeding up.
   double MayHaveTravelled_m() const;
 
+  KeyframeCloud CloudForMap(const PreprocessedFrame& frame, const FoundPose& found) const {
+    return tracker_.WithoutNewThings(frame, found.tracked);
+  }
+
   const PreprocessedFrame& last_frame() const { return last_; }
   const MotionModel& motion() const { return motion_; }
 
@@ -119,6 +123,7 @@ class PoseFinder {
   SlamOptions options_;
   FrameTracker tracker_;
   MotionModel motion_;
+  MotionModel before_restart_;  // what was known when the map last began anew
   HealthMonitor health_;
   bool has_first_ = false;       // a scan has been seen
   bool was_measured_ = false;    // the last frame's pose

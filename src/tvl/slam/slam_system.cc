@@ -126,7 +126,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     if (options_.loops.enabled && options_.loops.use_visual) {
       image = preprocessor_.Describe(frame, current, last_motion_);
     }
-    AddKeyframe(result, {found.tracked.cloud, std::move(image)}, executor);
+    AddKeyframe(result, {finder_.CloudForMap(current, found), std::move(image)}, executor);
   }
   result.times.map_update_ms = watch.LapMs();
 

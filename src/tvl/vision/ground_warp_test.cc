@@ -105,8 +105,8 @@ TEST(GroundWarp, RoadIsFollowedAtHighwaySpeed) {
     }
     return right;
   };
-  EXPECT_GT(followed(true), 40);
-  EXPECT_GT(followed(true), 2 * followed(false));
+  EXPECT_GT(followed(true), 25);
+  EXPECT_GT(followed(true), 3 * followed(false));
 }
 
 }  // namespace
