@@ -7,6 +7,7 @@
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/corrected_extrinsics.h"
+#include "tvl/slam/frame_check.h"
 
 namespace tvl {
 namespace {
@@ -86,19 +87,20 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
 FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& executor) {
   const Stopwatch total;
   FrameContext context;
-  const SensorFrame frame = WithoutRepetitions(input, &context);
+  const SensorFrame checked = WithoutOddData(input, setup_);
+  const SensorFrame frame = WithoutRepetitions(checked, &context);
   FrameResult result;
   result.id = frame.id;
   result.stamp = frame.stamp;
   result.faults = frame.faults;
-  if (frame.scan == nullptr && input.scan != nullptr && frame.image.empty()) {
+  if (frame.scan == nullptr && checked.scan != nullptr && frame.image.empty()) {
     return RepeatLastPose(std::move(result));
   }
 
   const MotionPrediction predicted = finder_.Predict(context.interval);
   PreprocessedFrame current =
       preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
-                            executor, &result.times);
+                            executor, &result.times, &result.faults);
 
   const FoundPose found =
       finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);

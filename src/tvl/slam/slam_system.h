@@ -61,7 +61,8 @@ class SlamSystem {
   SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOptions& options,
              bool in_background = false);
 
-  // Frames in order of time. Never throws for what is wrong with a frame's data.
+  // Frames in order of time. Never throws for what is wrong with a frame's data: what no stage can
+  // work with is left out and is a fault of the frame.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor);
 
   // After the last frame: waits for the loop search, which looks once more at all keyframes unless
