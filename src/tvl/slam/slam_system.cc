@@ -269,6 +269,7 @@ bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult
 void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   local_map_ = LocalMap(options_.mapping.local_map);
   AddKeyframe(result, {last_cloud_, {}}, executor);
+  if (loop_closer_ != nullptr) CloseLoops(executor);
   finder_.Restart();
   lost_scans_ = 0;
 }

@@ -305,7 +305,9 @@ TEST(Faults, ImagesOfAnotherSizeOrKindAreLeftOut) {
 TEST(Faults, InAnotherPlaceThePoseIsLostAndTheMapBeginsAnew) {
   const Drive drive(Straight(24, 9.0));
   const Executor executor(2);
-  SlamSystem system(drive.setup(), Deskew::kNone, LidarOnly());
+  SlamOptions options = LidarOnly();
+  options.loops.enabled = true;
+  SlamSystem system(drive.setup(), Deskew::kNone, options);
   std::vector<FrameResult> frames;
   for (size_t i = 0; i < 46; ++i) {
     SensorFrame frame = drive.Frame(i % 24);
@@ -323,6 +325,9 @@ TEST(Faults, InAnotherPlaceThePoseIsLostAndTheMapBeginsAnew) {
   EXPECT_GT(frames[30].step_covariance(3, 3), frames[20].step_covariance(3, 3));
   EXPECT_TRUE(std::any_of(frames.begin(), frames.end(),
                           [](const FrameResult& f) { return f.map_begins_anew; }));
+  EXPECT_TRUE(frames.back().is_keyframe || frames[44].is_keyframe || frames[43].is_keyframe);
+  system.Finish();
+  EXPECT_EQ(system.loop_fault(), "") << "the first keyframe of the new map is a keyframe, too";
 }
 
 }  // namespace
