@@ -100,3 +100,4 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
 }
 
 }  // namespace tvl
+  result.loop_search_broke = run.system.loop_search_broke();

@@ -24,8 +24,9 @@ struct RunResult {
   Trajectory trajectory;            // of the same frames, with all loops
   Map map;
   LoopReport loops;
-  std::string loop_fault;  // why the loop search ended before its time; empty: it did not
-  OdometryPath odometry;   // of the same frames, before loops correct it
+  std::string loop_fault;          // why the loop search ended before its time; empty: it did not
+  bool loop_search_broke = false;  // that was a defect of the program
+  OdometryPath odometry;           // of the same frames, before loops correct it
   DeskewDecision deskew;
   bool stopped = false;  // the observer said so
 };

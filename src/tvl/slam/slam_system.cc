@@ -309,8 +309,14 @@ void SlamSystem::CloseLoops(const Executor& executor) {
   try {
     Connect(ApplyNext(), executor);        // after a fault: lets go of earlier passes
   } catch (const std::exception& error) {  // an earlier pass cannot be read back
-    loop_fault_ = error.what();
+    EndLoopSearch(error);
   }
+}
+
+void SlamSystem::EndLoopSearch(const std::exception& error) {
+  if (!loop_fault_.empty()) return;
+  loop_fault_ = error.what();
+  loop_search_broke_ = dynamic_cast<const InputError*>(&error) == nullptr;
 }
 
 std::vector<int> SlamSystem::ApplyNext() {
@@ -321,7 +327,7 @@ std::vector<int> SlamSystem::ApplyNext() {
     Apply(update);
     return update.connected;
   } catch (const std::exception& error) {
-    if (loop_fault_.empty()) loop_fault_ = error.what();
+    EndLoopSearch(error);
     return {};
   }
 }

@@ -75,6 +75,8 @@ class SlamSystem {
   const LoopReport& loops() const;
 
   // As given, with the extrinsics that fit the points as the system uses them.
+  // It ended because the program is wrong, not because a file could not be read.
+  bool loop_search_broke() const { return loop_search_broke_; }
   const SensorSetup& setup() const { return setup_; }
   // What the beams were found to be off by.
   const BeamOffsets& beam_offsets() const { return beams_.offsets(); }
@@ -115,6 +117,8 @@ class SlamSystem {
   std::vector<int> ApplyNext();
   // Fetches keyframes of earlier passes into the local map.
   void Connect(const std::vector<int>& keyframes, const Executor& executor);
+  // The loop search has thrown: only its first fault counts.
+  void EndLoopSearch(const std::exception& error);
 
   SensorSetup setup_;
   SlamOptions options_;
@@ -147,3 +151,4 @@ class SlamSystem {
 };
 
 }  // namespace tvl
+  bool loop_search_broke_ = false;
