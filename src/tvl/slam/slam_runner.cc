@@ -73,7 +73,8 @@ void RunOptions::Check() const {
   decision.Check();
 }
 
-RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObserver& observer) {
+RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObserver& observer,
+                  const GoOn& go_on) {
   options.Check();
   const Executor executor(options.threads);
   Prefetcher frames(source, options.threads > 1);
@@ -86,9 +87,9 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
     const std::optional<SensorFrame> frame = frames.Next();
     if (!frame) break;
     result.frames.push_back(run.system.ProcessFrame(*frame, executor));
-    result.stopped = !observer(result.frames.back());
+    result.stopped = !checking_observer(result.frames.back());
   }
-  run.system.Finish(result.stopped ? SecondLook::kNo : SecondLook::kYes);
+  run.system.Finish([&go_on, stopped = result.stopped] { return !stopped && go_on(); });
   result.trajectory = run.system.trajectory();
   result.odometry = run.system.odometry_path();
   result.loops = run.system.loops();
@@ -101,3 +102,4 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
 
 }  // namespace tvl
   result.loop_search_broke = run.system.loop_search_broke();
+  result.stopped = result.stopped || result.loops.second_look_stopped;

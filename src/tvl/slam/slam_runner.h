@@ -28,7 +28,7 @@ struct RunResult {
   bool loop_search_broke = false;  // that was a defect of the program
   OdometryPath odometry;           // of the same frames, before loops correct it
   DeskewDecision deskew;
-  bool stopped = false;  // the observer said so
+  bool stopped = false;  // the observer or `go_on` said so
 };
 
 // Sees every frame's result, once and in order; returns false to stop the run (all results so far
@@ -36,7 +36,11 @@ struct RunResult {
 // it sees the results under the input's default.
 using RunObserver = std::function<bool(const FrameResult&)>;
 
-// Throws InputError if not one frame has a usable scan.
-RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObserver& observer);
+// Throws InputError if not one frame has a usable scan, or at once if the first frame's scan is one
+// whose rings cannot be told: the others will hardly be better. `go_on` is asked during the second
+// look for loops.
+RunResult RunSlam(
+    FrameSource& source, const RunOptions& options, const RunObserver& observer,
+    const GoOn& go_on = [] { return true; });
 
 }  // namespace tvl

@@ -362,15 +362,15 @@ const LoopReport& SlamSystem::loops() const {
   return loop_closer_ == nullptr ? none : loop_closer_->report();
 }
 
-void SlamSystem::Finish(SecondLook second_look) {
+void SlamSystem::Finish(const GoOn& go_on) {
   if (loop_closer_ == nullptr) return;
   while (loop_thread_.pending() > 0) ApplyNext();
-  for (const auto step : {&LoopCloser::LookAgain, &LoopCloser::Polish}) {
-    if (step == &LoopCloser::LookAgain && second_look == SecondLook::kNo) continue;
-    if (!loop_fault_.empty()) return;
-    loop_thread_.Give([closer = loop_closer_, step] { return ((*closer).*step)(); });
-    ApplyNext();
-  }
+  if (!loop_fault_.empty()) return;
+  loop_thread_.Give([closer = loop_closer_, go_on] { return closer->LookAgain(go_on); });
+  ApplyNext();
+  if (!loop_fault_.empty()) return;
+  loop_thread_.Give([closer = loop_closer_] { return closer->Polish(); });
+  ApplyNext();
 }
 
 }  // namespace tvl

@@ -2,6 +2,8 @@
 // as the block diagram of the paper's Fig. 1.
 #pragma once
 
+#include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,8 +26,9 @@
 
 namespace tvl {
 
-// At all keyframes without a loop, at the end of the data.
-enum class SecondLook { kYes, kNo };
+// Asked during the second look at all keyframes without a loop, at the end of the data: false ends
+// it. From any thread.
+using GoOn = std::function<bool()>;
 
 struct FrameResult {
   FrameId id = 0;
@@ -65,18 +68,19 @@ class SlamSystem {
   // work with is left out and is a fault of the frame.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor);
 
-  // After the last frame: waits for the loop search, which looks once more at all keyframes unless
-  // told not to (it can take half a minute), and applies everything found.
-  void Finish(SecondLook second_look = SecondLook::kYes);
+  // After the last frame: waits for the loop search, which looks once more at all keyframes (it can
+  // take half a minute; none at all if `go_on` says no from the start), and applies everything
+  // found.
+  void Finish(const GoOn& go_on = [] { return true; });
 
   // Why the loop search ended before its time; empty: it did not. Poses are those known until then.
   const std::string& loop_fault() const { return loop_fault_; }
+  // It ended because the program is wrong, not because a file could not be read.
+  bool loop_search_broke() const { return loop_search_broke_; }
   // After Finish(): every proposal, what it was judged on, and the graph. Empty without loops.
   const LoopReport& loops() const;
 
   // As given, with the extrinsics that fit the points as the system uses them.
-  // It ended because the program is wrong, not because a file could not be read.
-  bool loop_search_broke() const { return loop_search_broke_; }
   const SensorSetup& setup() const { return setup_; }
   // What the beams were found to be off by.
   const BeamOffsets& beam_offsets() const { return beams_.offsets(); }
@@ -113,12 +117,12 @@ class SlamSystem {
   // Hands the newest keyframe to the loop search and applies what is due.
   void CloseLoops(const Executor& executor);
   void Apply(const LoopUpdate& update);
+  // The loop search has thrown: only its first fault counts.
+  void EndLoopSearch(const std::exception& error);
   // Applies the oldest result that is waiting; what the loop search found wrong ends it.
   std::vector<int> ApplyNext();
   // Fetches keyframes of earlier passes into the local map.
   void Connect(const std::vector<int>& keyframes, const Executor& executor);
-  // The loop search has thrown: only its first fault counts.
-  void EndLoopSearch(const std::exception& error);
 
   SensorSetup setup_;
   SlamOptions options_;
@@ -148,7 +152,7 @@ class SlamSystem {
   std::shared_ptr<LoopCloser> loop_closer_;  // shared with the work in the thread
   LoopThread loop_thread_;
   std::string loop_fault_;
+  bool loop_search_broke_ = false;
 };
 
 }  // namespace tvl
-  bool loop_search_broke_ = false;
