@@ -65,6 +65,23 @@ Started Start(Prefetcher& frames, const SensorSetup& setup, const RunOptions& op
   return StartWithTrial(frames, setup, options, observer, executor);
 }
 
+// What is to be said of the first frame of a run.
+void CheckFirst(const FrameResult& first, const std::string& input) {
+  for (const FrameFault& fault : first.faults) {
+    TVL_CHECK_INPUT(fault.kind != FrameFault::Kind::kOddScan)
+        << input << ": no usable scan to begin with: " << fault.message
+        << "; is it the lidar of the profile (--profile)? If only this scan is odd begin later, "
+        << "e.g. --frames " << first.id + 1 << ":";
+  }
+}
+
+std::string FirstFaultOfScan(const std::vector<FrameResult>& frames) {
+  for (const FrameResult& frame : frames) {
+    if (const FrameFault* fault = FaultOfScan(frame.faults)) return ": " + fault->message;
+  }
+  return "";
+}
+
 }  // namespace
 
 void RunOptions::Check() const {
@@ -78,7 +95,13 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
   options.Check();
   const Executor executor(options.threads);
   Prefetcher frames(source, options.threads > 1);
-  Started run = Start(frames, source.setup(), options, observer, executor);
+  bool is_first = true;
+  const RunObserver checking_observer = [&](const FrameResult& frame) {
+    if (is_first) CheckFirst(frame, source.setup().name);
+    is_first = false;
+    return observer(frame);
+  };
+  Started run = Start(frames, source.setup(), options, checking_observer, executor);
   RunResult result;
   result.deskew = run.deskew;
   result.frames = std::move(run.frames);
@@ -93,13 +116,14 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
   result.trajectory = run.system.trajectory();
   result.odometry = run.system.odometry_path();
   result.loops = run.system.loops();
+  result.stopped = result.stopped || result.loops.second_look_stopped;
   result.loop_fault = run.system.loop_fault();
+  result.loop_search_broke = run.system.loop_search_broke();
   result.map = run.system.map();
   TVL_CHECK_INPUT(!result.map.keyframes.empty())
-      << source.setup().name << ": no frame of " << result.frames.size() << " has a usable scan";
+      << source.setup().name << ": no frame of " << result.frames.size() << " has a usable scan"
+      << FirstFaultOfScan(result.frames);
   return result;
 }
 
 }  // namespace tvl
-  result.loop_search_broke = run.system.loop_search_broke();
-  result.stopped = result.stopped || result.loops.second_look_stopped;
