@@ -81,13 +81,10 @@ VisualDepth Intersect(const LocalPlane& plane, const DepthRange& range, const Ei
   return {DepthStatus::kOk, depth_m, std::sqrt(variance)};
 }
 
-VisualDepth DepthOf(const Eigen::Vector2d& ray, const NormalisedGrid& grid, double gap_rad,
-                    double focal_px, const LidarModel& lidar, const DepthOptions& options) {
-  std::vector<ProjectedPoint> neighbours;
-  grid.ForEach(RectAround(ray, NeighbourhoodAt(ray, gap_rad, options)),
-               [&](const ProjectedPoint& p) { neighbours.push_back(p); });
-  if (neighbours.size() < 3) return {DepthStatus::kNoPoints};
-  const std::vector<ProjectedPoint> foreground = SelectForeground(std::move(neighbours));
+// Of points of one label.
+VisualDepth DepthOfForeground(const std::vector<ProjectedPoint>& foreground,
+                              const Eigen::Vector2d& ray, double focal_px, const LidarModel& lidar,
+                              const DepthOptions& options) {
   if (foreground.size() < 3) return {DepthStatus::kNoPoints};
   if (!SpansTwoRings(foreground)) return {DepthStatus::kOneRing};
   const LargestTriangle triangle = FindLargestTriangle(foreground);
@@ -99,6 +96,18 @@ VisualDepth DepthOf(const Eigen::Vector2d& ray, const NormalisedGrid& grid, doub
                                : PlaneThrough(triangle.corners);
   if (!plane.valid) return {DepthStatus::kSmallTriangle};
   return Intersect(plane, RangeOf(foreground), ray, focal_px, lidar, options);
+}
+
+VisualDepth DepthOf(const Eigen::Vector2d& ray, const NormalisedGrid& grid, double gap_rad,
+                    double focal_px, const LidarModel& lidar, const DepthOptions& options) {
+  std::vector<ProjectedPoint> neighbours;
+  grid.ForEach(RectAround(ray, NeighbourhoodAt(ray, gap_rad, options)),
+               [&](const ProjectedPoint& p) { neighbours.push_back(p); });
+  if (neighbours.size() < 3) return {DepthStatus::kNoPoints};
+  const std::vector<ProjectedPoint> foreground = SelectForeground(std::move(neighbours));
+  VisualDepth depth = DepthOfForeground(foreground, ray, focal_px, lidar, options);
+  depth.label = foreground.front().label;
+  return depth;
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tvl/frame/segmented_scan.h"
+
 namespace tvl {
 
 enum class DepthStatus : uint8_t {
@@ -22,6 +24,8 @@ struct VisualDepth {
   DepthStatus status = DepthStatus::kNoPoints;
   double depth_m = 0.0;  // z in the camera frame; valid for kOk
   double sigma_m = 0.0;  // standard deviation along the ray, as depth
+  // SegmentedScan::label of the foreground that the track lies on; kLabelOutlier: none is known.
+  int32_t label = kLabelOutlier;
 };
 
 using VisualDepths = std::vector<VisualDepth>;

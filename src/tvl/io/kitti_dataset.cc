@@ -51,11 +51,20 @@ void AddFaults(std::vector<FrameFault> from, SensorFrame* frame) {
   for (FrameFault& fault : from) frame->faults.push_back(std::move(fault));
 }
 
+// KITTI raw drives and KITTI-360 store each scan as it was measured, from a lidar that spins
+// clockwise seen from above; the KITTI odometry benchmark stores motion-compensated scans. KITTI-360
+// in the odometry layout is known by the size of its rectified perspective images.
+Deskew DefaultDeskew(bool is_raw_layout, const cv::Size& image) {
+  const cv::Size kitti360(1408, 376);
+  return is_raw_layout || image == kitti360 ? Deskew::kClockwise : Deskew::kNone;
+}
+
 SensorSetup SetupOf(const KittiLayout& layout, const LidarModel& lidar) {
   SensorSetup setup;
   setup.name = layout.name;
   setup.lidar = lidar;
   setup.deskew = layout.deskew;
+  setup.default_deskew = DefaultDeskew(layout.is_raw, {});
   setup.warnings = layout.warnings;
   setup.calibration = CalibrationWithoutCamera(layout.calibration);
   if (layout.camera < 0) return setup;
@@ -65,6 +74,7 @@ SensorSetup SetupOf(const KittiLayout& layout, const LidarModel& lidar) {
     return setup;
   }
   setup.has_camera = true;
+  setup.default_deskew = DefaultDeskew(layout.is_raw, size);
   setup.calibration = CalibrationOfCamera(layout.calibration, layout.camera);
   Camera& camera = setup.calibration.camera;
   camera.width_px = size.width;

@@ -245,6 +245,14 @@ TEST_F(KittiFolder, ReadsTheDeskewHint) {
   EXPECT_THAT(OpenError(), HasSubstr("tvl.yaml:2: spin: unknown key"));
 }
 
+// KITTI odometry stores compensated scans, KITTI-360 (known by the size of its images) raw ones.
+TEST_F(KittiFolder, DefaultOfUndecidedDeskewingFollowsTheImages) {
+  EXPECT_EQ(Open().setup().default_deskew, Deskew::kNone);
+  for (int k = 0; k < 4; ++k) cv::imwrite(Image(k), RampImage(1408, 376));
+  EXPECT_EQ(Open().setup().default_deskew, Deskew::kClockwise);
+  EXPECT_FALSE(Open().setup().deskew.has_value()) << "a default is no statement";
+}
+
 TEST_F(KittiFolder, FramesOfAClipAreFoundByNumberInFullFiles) {
   std::filesystem::remove(Scan(0));
   std::filesystem::remove(Image(0));

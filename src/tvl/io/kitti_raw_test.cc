@@ -49,6 +49,7 @@ class KittiRawFolder : public testing::Test {
 TEST_F(KittiRawFolder, PairsByNumberAndCountsWhatIsMissing) {
   const KittiDataset dataset(folder_ / kDrive, lidar_);
   EXPECT_EQ(dataset.setup().name, kDrive);
+  EXPECT_EQ(dataset.setup().default_deskew, Deskew::kClockwise) << "the scans are raw";
   ASSERT_EQ(dataset.size(), 4U);
   EXPECT_EQ(dataset.layout().missing_scans, 1U);
   EXPECT_EQ(dataset.layout().missing_images, 1U);

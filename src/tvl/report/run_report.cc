@@ -122,6 +122,7 @@ json Frame(const FrameResult& frame, double f_px) {
           {"tracking", TrackingName(frame.tracking)},
           {"tracks", frame.tracks},
           {"tracks_with_depth", frame.tracks_with_depth},
+          {"tracks_moving", frame.tracks_moving},
           {"odometry", Evidence(frame.odometry, f_px)},
           {"map_step", Evidence(frame.map_step.estimate, f_px)},
           {"misfit", frame.misfit},

@@ -123,7 +123,8 @@ DeskewDecision DeskewTrial::Judge() const {
   reason << std::setprecision(3);
   if (decision.informative < options_.min_informative) {
     reason << "only " << decision.informative << " of the first " << contenders_[0].frames.size()
-           << " frames turn enough to tell; the input's default is taken";
+           << " frames turn enough to tell; the input's default is taken: "
+           << ToString(default_answer_);
     decision.reason = reason.str();
     return decision;
   }
@@ -143,7 +144,7 @@ DeskewDecision DeskewTrial::Judge() const {
     decision.deskew = kAnswers[order[0]];
     decision.verdict = DeskewVerdict::kDecided;
   } else {
-    reason << ": too close to decide, the input's default is taken";
+    reason << ": too close to decide, the input's default is taken: " << ToString(default_answer_);
   }
   decision.reason = reason.str();
   return decision;

@@ -304,6 +304,19 @@ void VisitFields(Visitor& visit, MapFitOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, MovingTrackOptions& options) {
+  TVL_FIELD(sigma_px);
+  TVL_FIELD(gate_sigmas);
+  TVL_FIELD(min_motion_m);
+  TVL_FIELD(drift_share);
+  TVL_FIELD(drift_rad);
+  TVL_FIELD(min_frames);
+  TVL_FIELD(min_cluster_tracks);
+  TVL_FIELD(min_cluster_share);
+  TVL_FIELD(min_cluster_accord);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, MappingOptions& options) {
   TVL_FIELD(interval);
   TVL_FIELD(beams);
@@ -311,6 +324,7 @@ void VisitFields(Visitor& visit, MappingOptions& options) {
   TVL_FIELD(store);
   TVL_FIELD(local_map);
   TVL_FIELD(landmarks);
+  TVL_FIELD(moving_tracks);
   TVL_FIELD(scan_to_map);
   TVL_FIELD(fit);
 }

@@ -19,6 +19,7 @@ void SlamOptions::Check() const {
   mapping.store.Check();
   mapping.local_map.Check();
   mapping.landmarks.Check();
+  mapping.moving_tracks.Check();
   mapping.scan_to_map.Check();
   mapping.fit.Check();
   search.Check();

@@ -8,6 +8,7 @@
 #include "tvl/mapping/keyframe_selector.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/mapping/map_fit.h"
+#include "tvl/mapping/moving_tracks.h"
 #include "tvl/mapping/scan_to_map.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
 #include "tvl/registration/beam_calibration.h"
@@ -41,6 +42,7 @@ struct MappingOptions {
   KeyframeStoreOptions store;
   LocalMapOptions local_map;
   LandmarkOptions landmarks;
+  MovingTrackOptions moving_tracks;
   ScanToMapOptions scan_to_map;
   MapFitOptions fit;
 };

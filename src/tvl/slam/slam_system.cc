@@ -74,6 +74,7 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       clock_(setup.lidar.sweep_s, options_.clock),
       local_map_(options_.mapping.local_map),
       landmarks_(setup_.calibration, options_.mapping.landmarks),
+      moving_tracks_(setup_.calibration, options_.mapping.moving_tracks),
       beams_(setup.lidar.rows(), options_.mapping.beams),
       loop_thread_(in_background && options_.loops.enabled) {
   setup_.lidar.Check();
@@ -101,6 +102,9 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   PreprocessedFrame current =
       preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
                             executor, &result.times, &result.faults);
+  const FeatureTracks all_tracks = current.tracks;
+  const VisualDepths all_depths = current.depths;
+  result.tracks_moving = moving_tracks_.Remove(&current.tracks, &current.depths);
 
   const FoundPose found =
       finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);
@@ -112,6 +116,8 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   if (IsMeasured(result.status)) {
     CalibrateBeams(found, current);
     if (options_.use_camera) {
+      if (found.bridge) moving_tracks_.Forget();
+      moving_tracks_.Update(all_tracks, all_depths, result.T_odom_lidar);
       landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
     }
   }
@@ -271,6 +277,7 @@ void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   AddKeyframe(result, {last_cloud_, {}}, executor);
   if (loop_closer_ != nullptr) CloseLoops(executor);
   finder_.Restart();
+  moving_tracks_.Forget();
   lost_scans_ = 0;
 }
 

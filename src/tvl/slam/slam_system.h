@@ -52,7 +52,8 @@ struct FrameResult {
   // Lost for too long: from here on poses are right against this frame, whose own place is a guess.
   bool map_begins_anew = false;
   TrackingStatus tracking = TrackingStatus::kNoImage;
-  int tracks = 0, tracks_with_depth = 0;
+  // Tracks used, with the lidar's depth, and left out because what they lie on moves.
+  int tracks = 0, tracks_with_depth = 0, tracks_moving = 0;
   std::vector<FrameFault> faults;
   StageTimes times;
 };
@@ -132,6 +133,7 @@ class SlamSystem {
   RepetitionCheck repetition_;
   LocalMap local_map_;
   LandmarkMap landmarks_;
+  MovingTracks moving_tracks_;
   BeamCalibration beams_;
   Map map_;
   OdometryPath path_;
