@@ -145,7 +145,8 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
   if (!store_fault.empty()) std::cout << store_fault << ": kept in memory\n";
   std::cout << TimingTable(result) << "results in " << out << "\n";
   if (result.stopped) {
-    std::cout << "interrupted: the results are complete up to here"
+    std::cout << (result.failure ? "ended early" : "interrupted")
+              << ": the results are complete up to here"
               << (result.loops.times.empty() ? "\n" : ", without the second look for loops\n");
   }
 }
@@ -202,6 +203,7 @@ void Run(const RunArguments& arguments) {
   WriteTruth(arguments.out, *dataset);
   WriteResults(arguments.out, result, context);
   PrintSummary(result, context, arguments.out);
+  if (result.failure) std::rethrow_exception(result.failure);
   if (result.loop_search_broke) {
     throw Error("the loop search ended early: " + result.loop_fault + "; results are in " +
                 arguments.out);

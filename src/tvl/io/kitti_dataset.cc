@@ -52,8 +52,8 @@ void AddFaults(std::vector<FrameFault> from, SensorFrame* frame) {
 }
 
 // KITTI raw drives and KITTI-360 store each scan as it was measured, from a lidar that spins
-// clockwise seen from above; the KITTI odometry benchmark stores motion-compensated scans. KITTI-360
-// in the odometry layout is known by the size of its rectified perspective images.
+// clockwise seen from above; the KITTI odometry benchmark stores motion-compensated scans.
+// KITTI-360 in the odometry layout is known by the size of its rectified perspective images.
 Deskew DefaultDeskew(bool is_raw_layout, const cv::Size& image) {
   const cv::Size kitti360(1408, 376);
   return is_raw_layout || image == kitti360 ? Deskew::kClockwise : Deskew::kNone;

@@ -35,27 +35,42 @@ struct Started {
   std::vector<FrameResult> frames;
   DeskewDecision deskew;
   bool stopped = false;
+  std::exception_ptr failure;
 };
+
+// Calls next_frame() until it says no; returns what it throws.
+std::exception_ptr ForEachFrame(const std::function<bool()>& next_frame) {
+  try {
+    while (next_frame()) {
+    }
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
 
 Started StartWith(Deskew deskew, const std::string& said_by, const SensorSetup& setup,
                   const RunOptions& options) {
   return {SlamSystem(setup, deskew, options.slam, options.threads > 1),
           {},
-          {deskew, DeskewVerdict::kGiven, said_by, {}, 0}};
+          {deskew, DeskewVerdict::kGiven, said_by, {}, 0},
+          false,
+          nullptr};
 }
 
 Started StartWithTrial(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
                        const RunObserver& observer, const Executor& executor) {
   DeskewTrial trial(setup, options.slam, options.decision, options.threads > 1);
-  bool go_on = true;
-  while (go_on && !trial.IsOver()) {
+  bool stopped = false;
+  const std::exception_ptr failure = ForEachFrame([&] {
+    if (stopped || trial.IsOver()) return false;
     const std::optional<SensorFrame> frame = frames.Next();
-    if (!frame) break;
-    go_on = observer(trial.ProcessFrame(*frame, executor));
-  }
+    if (frame) stopped = !observer(trial.ProcessFrame(*frame, executor));
+    return frame.has_value();
+  });
   const DeskewDecision decision = trial.Judge();
   DeskewTrial::Contender taken = trial.Take();
-  return {std::move(taken.system), std::move(taken.frames), decision, !go_on};
+  return {std::move(taken.system), std::move(taken.frames), decision, stopped, failure};
 }
 
 Started Start(Prefetcher& frames, const SensorSetup& setup, const RunOptions& options,
@@ -106,15 +121,27 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
   result.deskew = run.deskew;
   result.frames = std::move(run.frames);
   result.stopped = run.stopped;
-  while (!result.stopped) {
-    const std::optional<SensorFrame> frame = frames.Next();
-    if (!frame) break;
-    result.frames.push_back(run.system.ProcessFrame(*frame, executor));
-    result.stopped = !checking_observer(result.frames.back());
+  result.failure = run.failure;
+  if (!result.failure) {
+    result.failure = ForEachFrame([&] {
+      const std::optional<SensorFrame> frame = result.stopped ? std::nullopt : frames.Next();
+      if (!frame) return false;
+      result.frames.push_back(run.system.ProcessFrame(*frame, executor));
+      result.stopped = !checking_observer(result.frames.back());
+      return true;
+    });
   }
+  if (result.failure && run.system.map().keyframes.empty()) {
+    std::rethrow_exception(result.failure);
+  }
+  result.stopped = result.stopped || result.failure;
   run.system.Finish([&go_on, stopped = result.stopped] { return !stopped && go_on(); });
   result.trajectory = run.system.trajectory();
   result.odometry = run.system.odometry_path();
+  if (result.failure) {  // the frame that threw may have left its pose
+    result.trajectory.resize(result.frames.size());
+    result.odometry.resize(result.frames.size());
+  }
   result.loops = run.system.loops();
   result.stopped = result.stopped || result.loops.second_look_stopped;
   result.loop_fault = run.system.loop_fault();

@@ -2,6 +2,7 @@
 // depend on the number of threads.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <optional>
 
@@ -28,7 +29,10 @@ struct RunResult {
   bool loop_search_broke = false;  // that was a defect of the program
   OdometryPath odometry;           // of the same frames, before loops correct it
   DeskewDecision deskew;
-  bool stopped = false;  // the observer or `go_on` said so
+  bool stopped = false;  // the observer or `go_on` said so, or `failure`
+  // What ended the run at a frame after the first keyframe: the results are complete up to there,
+  // and it is to be thrown again once they are safe. Null: nothing did.
+  std::exception_ptr failure;
 };
 
 // Sees every frame's result, once and in order; returns false to stop the run (all results so far
@@ -36,9 +40,10 @@ struct RunResult {
 // it sees the results under the input's default.
 using RunObserver = std::function<bool(const FrameResult&)>;
 
-// Throws InputError if not one frame has a usable scan, or at once if the first frame's scan is one
-// whose rings cannot be told: the others will hardly be better. `go_on` is asked during the second
-// look for loops.
+// What is thrown by the source, a frame or the observer ends the run: see RunResult::failure.
+// Without a keyframe it is thrown at once. Throws InputError if not one frame has a usable scan, or
+// at once if the first frame's scan is one whose rings cannot be told: the others will hardly be
+// better. `go_on` is asked during the second look for loops.
 RunResult RunSlam(
     FrameSource& source, const RunOptions& options, const RunObserver& observer,
     const GoOn& go_on = [] { return true; });

@@ -120,6 +120,36 @@ class DriveWith : public Drive {
   LidarScan scan_;
 };
 
+// The frames before it are not lost: with and without the trial that decides the de-skewing.
+TEST(RunSlam, WhatEndsARunLeavesItsResults) {
+  class Torn : public Drive {
+   public:
+    explicit Torn(size_t first) : Drive(Frames(9)), first_(first) {}
+    SensorFrame Frame(size_t index) const override {
+      TVL_CHECK(index < first_) << "torn";
+      return Drive::Frame(index);
+    }
+
+   private:
+    size_t first_;
+  };
+  for (const int threads : {1, 2}) {
+    for (const bool given : {true, false}) {
+      RunOptions options = LidarOnly();
+      options.threads = threads;
+      if (given) options.deskew = Deskew::kNone;
+      const RunResult result = Play(Torn(6), options);
+      EXPECT_THROW(std::rethrow_exception(result.failure), Error);
+      EXPECT_TRUE(result.stopped);
+      EXPECT_EQ(result.frames.size(), 6u);
+      EXPECT_EQ(result.trajectory.size(), 6u);
+      EXPECT_EQ(result.loops.graph.T_world.size(), result.map.keyframes.size());
+      EXPECT_THROW(Play(Torn(0), options), Error);
+    }
+  }
+  EXPECT_EQ(Play(Drive(Frames(3)), LidarOnly()).failure, nullptr);
+}
+
 std::string ErrorOf(const Dataset& drive, const RunOptions& options, size_t* seen) {
   DatasetSource source(drive);
   try {

@@ -123,11 +123,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   }
   result.is_keyframe = IsDueKeyframe(current, result);
   if (result.is_keyframe) {
-    ImageFeatures image;  // for the visual search alone
-    if (options_.loops.enabled && options_.loops.use_visual) {
-      image = preprocessor_.Describe(frame, current, last_motion_);
-    }
-    AddKeyframe(result, {found.tracked.cloud, std::move(image)}, executor);
+    AddKeyframe(result, {found.tracked.cloud, DescribeImage(frame, current)}, executor);
   }
   result.times.map_update_ms = watch.LapMs();
 
@@ -135,9 +131,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   path_.push_back(
       {frame.id, frame.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
   if (IsMeasured(result.status)) known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
-  result.T_world_lidar = map_.keyframes.empty()
-                             ? result.T_odom_lidar
-                             : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  result.T_world_lidar = InWorld(result.T_odom_lidar);
   result.times.loops_ms = watch.LapMs();
 
   last_cloud_ = found.tracked.cloud;
@@ -190,13 +184,21 @@ SensorFrame SlamSystem::WithoutRepetitions(SensorFrame frame, FrameContext* cont
 FrameResult SlamSystem::RepeatLastPose(FrameResult result) {
   result.status = last_status_;
   result.T_odom_lidar = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
-  result.T_world_lidar = map_.keyframes.empty()
-                             ? result.T_odom_lidar
-                             : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  result.T_world_lidar = InWorld(result.T_odom_lidar);
   path_.push_back(
       {result.id, result.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
   if (IsMeasured(last_status_)) known_.path = path_.size() - 1;
   return result;
+}
+
+Rigid3d SlamSystem::InWorld(const Rigid3d& T_odom_lidar) const {
+  return map_.keyframes.empty() ? T_odom_lidar : ToWorld(map_.keyframes.back(), T_odom_lidar);
+}
+
+ImageFeatures SlamSystem::DescribeImage(const SensorFrame& frame,
+                                        const PreprocessedFrame& preprocessed) const {
+  if (!options_.loops.enabled || !options_.loops.use_visual) return {};
+  return preprocessor_.Describe(frame, preprocessed, last_motion_);
 }
 
 void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {

@@ -103,6 +103,11 @@ class SlamSystem {
   // added to it.
   SensorFrame WithoutRepetitions(SensorFrame frame, FrameContext* context);
   FrameResult RepeatLastPose(FrameResult result);
+  // By the newest keyframe.
+  Rigid3d InWorld(const Rigid3d& T_odom_lidar) const;
+  // For the visual search alone: empty without it.
+  ImageFeatures DescribeImage(const SensorFrame& frame,
+                              const PreprocessedFrame& preprocessed) const;
   // What a frame's result says of its data and of the pose found.
   void Describe(const PreprocessedFrame& frame, const FoundPose& found, FrameResult* result) const;
   void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
