@@ -31,6 +31,7 @@ struct EstimateEvidence {
   int iterations = 0;
   int edges = 0, planes = 0;  // laser residuals in the last iteration
   int visual = 0;             // visual residuals in the last iteration
+  int visual_offered = 0;     // before those that contradict laser and prior were left out
   // Matched laser residuals of the last iteration as a share of the laser features offered, 0..1.
   // Odometry: matched at all; map step: matched and within its last gate.
   double match_share = 0;

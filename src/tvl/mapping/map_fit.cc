@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "tvl/base/check.h"
 
@@ -11,6 +13,10 @@ namespace {
 // So many keyframes see a place well: the map's surfels are there.
 constexpr size_t kEnoughKeyframes = 10;
 constexpr int kColumnBelow = 4;  // voxels of 2 m: what stands is seldom higher than 8 m
+
+// A cluster of so many judged points, of which most lie off the map by more than the full misfit,
+// was not there when the map was made: a wrong pose leaves some of a thing's surfaces on the map.
+constexpr double kNewObjectPoints = 8.0, kNewObjectCost = 0.6;
 
 double CostOf(const Eigen::Vector3d& p_odom, const LocalMap& map, double max_distance_m) {
   double distance_m = max_distance_m;
@@ -26,6 +32,37 @@ double CostOf(const Eigen::Vector3d& p_odom, const LocalMap& map, double max_dis
   return share * share;
 }
 
+// Of the points of one cluster.
+struct ClusterSum {
+  double weight = 0.0, cost = 0.0;
+};
+
+std::map<int32_t, ClusterSum> SumByCluster(const MapFit& fit) {
+  std::map<int32_t, ClusterSum> clusters;
+  for (size_t i = 0; i < fit.label.size(); ++i) {
+    ClusterSum& cluster = clusters[fit.label[i]];
+    const auto weight = static_cast<double>(fit.weight[i]);
+    cluster.weight += weight;
+    cluster.cost += weight * static_cast<double>(fit.cost[i]);
+  }
+  return clusters;
+}
+
+bool IsNewObject(int32_t label, const ClusterSum& cluster) {
+  return label >= kFirstClusterLabel && cluster.weight >= kNewObjectPoints &&
+         cluster.cost > kNewObjectCost * cluster.weight;
+}
+
+// Labels of what neither fit explains.
+std::set<int32_t> NewObjectsInBoth(const MapFit& a, const MapFit& b) {
+  const std::map<int32_t, ClusterSum> in_a = SumByCluster(a), in_b = SumByCluster(b);
+  std::set<int32_t> labels;
+  for (const auto& [label, cluster] : in_a) {
+    if (IsNewObject(label, cluster) && IsNewObject(label, in_b.at(label))) labels.insert(label);
+  }
+  return labels;
+}
+
 }  // namespace
 
 void MapFitOptions::Check() const {
@@ -35,23 +72,23 @@ void MapFitOptions::Check() const {
   TVL_CHECK_INPUT(max_points >= 50) << "map_fit.max_points: must be at least 50";
 }
 
-std::vector<uint32_t> SampleForFit(const std::vector<LaserFeature>& features,
-                                   const MapFitOptions& options) {
+std::vector<FitSample> SampleForFit(const std::vector<LaserFeature>& features,
+                                    const MapFitOptions& options) {
   const auto max_range_m = static_cast<float>(options.max_range_m);
-  std::vector<uint32_t> all;
+  std::vector<FitSample> all;
   for (uint32_t i = 0; i < features.size(); ++i) {
     if (features[i].label != kLabelGround && features[i].p_lidar.norm() < max_range_m) {
-      all.push_back(i);
+      all.push_back({i, features[i].label});
     }
   }
   const auto wanted = static_cast<size_t>(options.max_points);
   if (all.size() <= wanted) return all;
-  std::vector<uint32_t> sample(wanted);
+  std::vector<FitSample> sample(wanted);
   for (size_t k = 0; k < wanted; ++k) sample[k] = all[k * all.size() / wanted];
   return sample;
 }
 
-MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<uint32_t>& sample,
+MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<FitSample>& sample,
                 const LocalMap& map, const Rigid3d& T_odom_lidar, const MapFitOptions& options) {
   MapFit fit;
   fit.cost.reserve(sample.size());
@@ -59,13 +96,14 @@ MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<ui
   const auto keyframes = static_cast<double>(std::min(map.size(), kEnoughKeyframes));
   const double well_seen = options.min_column_points * keyframes;
   double sum = 0.0;
-  for (const uint32_t i : sample) {
-    const Eigen::Vector3d p_odom = R * points[i].cast<double>() + T_odom_lidar.t();
+  for (const FitSample& point : sample) {
+    const Eigen::Vector3d p_odom = R * points[point.index].cast<double>() + T_odom_lidar.t();
     const auto seen = static_cast<double>(map.planes().PointsInColumn(p_odom, kColumnBelow));
     const double weight = std::min(1.0, seen / std::max(1.0, well_seen));
     const double cost = weight > 0.0 ? CostOf(p_odom, map, options.max_distance_m) : 0.0;
     fit.cost.push_back(static_cast<float>(cost));
     fit.weight.push_back(static_cast<float>(weight));
+    fit.label.push_back(point.label);
     sum += weight * cost;
     fit.judged += weight;
   }
@@ -73,11 +111,25 @@ MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<ui
   return fit;
 }
 
+KnownFit FitOfKnownThings(const MapFit& fit) {
+  KnownFit known;
+  double sum = 0.0;
+  for (const auto& [label, cluster] : SumByCluster(fit)) {
+    if (IsNewObject(label, cluster)) continue;
+    known.judged += cluster.weight;
+    sum += cluster.cost;
+  }
+  if (known.judged > 0.0) known.mean = sum / known.judged;
+  return known;
+}
+
 FitComparison Compare(const MapFit& a, const MapFit& b, int correlated) {
   TVL_CHECK(a.cost.size() == b.cost.size()) << "fits of the same points";
+  const std::set<int32_t> left_out = NewObjectsInBoth(a, b);
   FitComparison comparison;
   double sum = 0.0, sum_sq = 0.0, weights_sq = 0.0;
   for (size_t i = 0; i < a.cost.size(); ++i) {
+    if (left_out.count(a.label[i]) > 0) continue;
     const double weight = std::min(a.weight[i], b.weight[i]);
     const double difference = static_cast<double>(b.cost[i]) - static_cast<double>(a.cost[i]);
     sum += weight * difference;

@@ -34,21 +34,37 @@ struct MapFit {
   // max_distance_m or more), and weight 0 (the map does not know the place) to 1 (it knows it
   // well).
   std::vector<float> cost, weight;
+  std::vector<int32_t> label;  // LaserFeature::label
   double judged = 0.0;  // sum of the weights: so many points where the map knows the place well
   double mean = 1.0;    // weighted mean cost; 1 if no point can be judged
 };
 
-// Indices of the features to judge: what is not ground, within range, spread evenly over the scan.
-std::vector<uint32_t> SampleForFit(const std::vector<LaserFeature>& features,
-                                   const MapFitOptions& options);
+// A point to judge.
+struct FitSample {
+  uint32_t index;  // of the feature
+  int32_t label;   // LaserFeature::label
+};
+
+// The features to judge: what is not ground, within range, spread evenly over the scan.
+std::vector<FitSample> SampleForFit(const std::vector<LaserFeature>& features,
+                                    const MapFitOptions& options);
 
 // `points` are compensated, p_lidar, m. Thread-safe.
-MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<uint32_t>& sample,
+MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<FitSample>& sample,
                 const LocalMap& map, const Rigid3d& T_odom_lidar, const MapFitOptions& options);
 
+// The fit of the points on things that the map can know: without the clusters that lie off the map
+// as a whole, such as a lorry that has come to stand where there was none.
+struct KnownFit {
+  double judged = 0.0;  // as MapFit
+  double mean = 1.0;
+};
+KnownFit FitOfKnownThings(const MapFit& fit);
+
 // By how much `a` lies better than `b`, from the points judged in both: the mean difference of
-// their costs (positive: a is better) and its standard error. Neighbouring points share their
-// errors: they count as one in `correlated`.
+// their costs (positive: a is better) and its standard error. Clusters that lie off the map as a
+// whole in both say nothing. Neighbouring points share their errors: they count as one in
+// `correlated`.
 struct FitComparison {
   double better = 0.0, standard_error = 1.0;
   double common = 0.0;  // sum of the smaller weights

@@ -49,8 +49,8 @@ LocalMap Street(const Executor& executor) {
 
 MapFit FitAt(const LocalMap& map, double x_m) {
   const std::vector<Eigen::Vector3f> points = StreetPoints(2, false);
-  std::vector<uint32_t> sample(points.size());
-  std::iota(sample.begin(), sample.end(), 0u);
+  std::vector<FitSample> sample;
+  for (uint32_t i = 0; i < points.size(); ++i) sample.push_back({i, kLabelOutlier});
   return FitToMap(points, sample, map, Rigid3d::Translation(x_m, 0.0, 0.0), MapFitOptions());
 }
 
@@ -91,11 +91,11 @@ TEST(SampleForFit, TakesWhatStandsEvenlyFromTheWholeScan) {
     features[i].label = i % 2 == 0 ? kLabelGround : kFirstClusterLabel;
   }
   const MapFitOptions options;
-  const std::vector<uint32_t> sample = SampleForFit(features, options);
+  const std::vector<FitSample> sample = SampleForFit(features, options);
   ASSERT_EQ(sample.size(), static_cast<size_t>(options.max_points));
-  EXPECT_LT(sample.front(), 20u);
-  EXPECT_GT(sample.back(), 9950u);
-  for (const uint32_t i : sample) EXPECT_EQ(features[i].label, kFirstClusterLabel);
+  EXPECT_LT(sample.front().index, 20u);
+  EXPECT_GT(sample.back().index, 9950u);
+  for (const FitSample& point : sample) EXPECT_EQ(features[point.index].label, kFirstClusterLabel);
 }
 
 TEST(MapFitOptions, NameTheBadField) {

@@ -82,8 +82,8 @@ MovingTracks::Place MovingTracks::Locate(const FeatureTrack& track, const Visual
                                          const Rigid3d& T_world_lidar) const {
   const Rigid3d T_world_cam = T_world_lidar * calibration_.T_cam_lidar.Inverse();
   const Eigen::Vector3d ray = track.ray_cam.homogeneous();
-  const double across_m = depth.depth_m * std::hypot(options_.sigma_px / calibration_.camera.fx_px,
-                                                     options_.drift_rad);
+  const double across_m =
+      depth.depth_m * std::hypot(options_.sigma_px / calibration_.camera.fx_px, options_.drift_rad);
   const Eigen::Matrix3d covariance_cam = across_m * across_m * Eigen::Matrix3d::Identity() +
                                          depth.sigma_m * depth.sigma_m * ray * ray.transpose();
   Place place;
@@ -95,8 +95,8 @@ MovingTracks::Place MovingTracks::Locate(const FeatureTrack& track, const Visual
 
 void MovingTracks::Judge(const Place& now, Place* place) const {
   const double drift_m = options_.drift_share * (now.path_m - place->path_m);
-  const Eigen::Matrix3d covariance = place->covariance_m2 + now.covariance_m2 +
-                                     drift_m * drift_m * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d covariance =
+      place->covariance_m2 + now.covariance_m2 + drift_m * drift_m * Eigen::Matrix3d::Identity();
   place->motion_m = now.p_world - place->p_world;
   const double chi2 = place->motion_m.dot(covariance.inverse() * place->motion_m);
   const bool is_outside = chi2 > options_.gate_sigmas * options_.gate_sigmas &&

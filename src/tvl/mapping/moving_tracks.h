@@ -1,5 +1,5 @@
-// Tells visual tracks on moving things from those on standing ones (paper 4.1 leaves this to RANSAC,
-// which follows the majority: in a traffic jam that is the traffic).
+// Tells visual tracks on moving things from those on standing ones (paper 4.1 leaves this to
+// RANSAC, which follows the majority: in a traffic jam that is the traffic).
 //
 // A track whose depth the lidar knows has a place in the world in every frame. That of a standing
 // thing stays, as far as noise and the drift of the pose allow. A track that leaves its place is on
@@ -21,21 +21,22 @@ struct MovingTrackOptions {
   double gate_sigmas = 4.0;  // beyond, a track has left its place
   // A track that has moved by less stands: sub-pixel errors and rough surfaces do as much.
   double min_motion_m = 0.15;
-  double drift_share = 0.01;        // of the way driven since: error of the pose
-  double drift_rad = 0.002;         // of the pose's attitude, whatever the way
-  int min_frames = 2;               // in a row beyond the gate
-  int min_cluster_tracks = 3;       // judged ones, for a verdict on their cluster
-  double min_cluster_share = 0.5;   // of them must move, and
-  double min_cluster_accord = 0.7;  // the sum of their motions is this share of the motions' lengths
-  void Check() const;               // throws InputError naming the field
+  double drift_share = 0.01;       // of the way driven since: error of the pose
+  double drift_rad = 0.002;        // of the pose's attitude, whatever the way
+  int min_frames = 2;              // in a row beyond the gate
+  int min_cluster_tracks = 3;      // judged ones, for a verdict on their cluster
+  double min_cluster_share = 0.5;  // of them must move, and
+  double min_cluster_accord =
+      0.7;             // the sum of their motions is this share of the motions' lengths
+  void Check() const;  // throws InputError naming the field
 };
 
 class MovingTracks {
  public:
   MovingTracks(const Calibration& calibration, const MovingTrackOptions& options);
 
-  // Takes the tracks on moving things out of a frame, with their depths. `tracks` holds all that the
-  // vision follows: what is known of others is forgotten. Returns how many were taken out.
+  // Takes the tracks on moving things out of a frame, with their depths. `tracks` holds all that
+  // the vision follows: what is known of others is forgotten. Returns how many were taken out.
   int Remove(FeatureTracks* tracks, VisualDepths* depths);
 
   // After the frame's pose is known, with the tracks that Remove left and with those it took.

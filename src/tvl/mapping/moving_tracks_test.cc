@@ -29,7 +29,8 @@ std::vector<Eigen::Vector3d> StreetWithLorry(double lorry_moved_m) {
 
 bool IsOnLorry(TrackId id) { return id >= kStanding; }
 
-// What the sensors see of it in frame k: the vehicle creeps by 5 cm a frame, the lorry by `speed_m`.
+// What the sensors see of it in frame k: the vehicle creeps by 5 cm a frame, the lorry by
+// `speed_m`.
 Seen SeeFrame(int k, double lorry_speed_m, const Rigid3d& T_world_lidar) {
   Seen seen = Observe(StreetWithLorry(lorry_speed_m * k), T_world_lidar,
                       {0.5, 0.003, 1, static_cast<uint64_t>(k + 1)});

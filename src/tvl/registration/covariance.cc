@@ -19,9 +19,10 @@ void CovarianceOptions::Check() const {
       << "covariance.floor_*: must not be negative";
 }
 
-Matrix6d HonestCovariance(const Matrix6d& H, double length_m, const CovarianceOptions& options) {
+Matrix6d HonestCovariance(const Matrix6d& H, double length_m, const CovarianceOptions& options,
+                          const Matrix6d& prior) {
   const Matrix6d regular =
-      H / options.inflation + Matrix6d::Identity() / (kUnknownSigma * kUnknownSigma);
+      H / options.inflation + prior + Matrix6d::Identity() / (kUnknownSigma * kUnknownSigma);
   Matrix6d covariance = regular.ldlt().solve(Matrix6d::Identity());
   const double rotation_rad =
       std::max(options.floor_rotation_rad, options.floor_rotation_rad_per_m * length_m);

@@ -17,8 +17,10 @@ struct CovarianceOptions {
   void Check() const;
 };
 
-// inflation * H^-1 plus the floors for a step of `length_m`. Directions H does not hold get a
-// standard deviation of 10 (rad, m).
-Matrix6d HonestCovariance(const Matrix6d& H, double length_m, const CovarianceOptions& options);
+// (H / inflation + prior)^-1 plus the floors for a step of `length_m`. `H` is what the residuals
+// say; `prior` is information that is honest already. Directions that neither holds get a standard
+// deviation of 10 (rad, m).
+Matrix6d HonestCovariance(const Matrix6d& H, double length_m, const CovarianceOptions& options,
+                          const Matrix6d& prior = Matrix6d::Zero());
 
 }  // namespace tvl

@@ -20,7 +20,20 @@ double Rms(double sum_of_squares, size_t n) {
 }  // namespace
 
 PriorTerm PriorTerm::Of(const Rigid3d& T, const Matrix6d& covariance, double share) {
-  return {T, share * covariance.ldlt().solve(Matrix6d::Identity())};
+  return {T, share * covariance.ldlt().solve(Matrix6d::Identity()), share};
+}
+
+PriorTerm WholeAlongWeak(const PriorTerm& prior, const LaserShift& shift, const Vector6d& say) {
+  PriorTerm whole = prior;
+  if (prior.share <= 0.0 || prior.share >= 1.0 || !shift.any()) return whole;
+  const Matrix6d covariance = (prior.information / prior.share).ldlt().solve(Matrix6d::Identity());
+  for (int i = 0; i < 6; ++i) {
+    if (shift.is_free[i] == 0.0) continue;
+    const Vector6d axis = shift.axes.col(i);
+    const double held_back = (1.0 - prior.share) * (1.0 - say[i]);
+    whole.information += held_back / axis.dot(covariance * axis) * axis * axis.transpose();
+  }
+  return whole;
 }
 
 NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T) {
@@ -34,14 +47,16 @@ NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T) {
 }
 
 PoseProblem::PoseProblem(const PoseProblemSetup& setup, const Executor& executor)
-    : setup_(setup), executor_(executor) {}
+    : setup_(setup), executor_(executor), prior_(setup.prior) {}
 
 void PoseProblem::SetMatches(LaserMatches laser, VisualMatches visual, const Rigid3d& T) {
   laser_ = std::move(laser);
   visual_ = std::move(visual);
+  visual_offered_ = visual_.size();
   T_matched_ = T;
   laser_matched_ = Linearize(laser_, T, setup_.bins, setup_.kernel_sigmas, executor_);
   weakness_ = AnalyseWeakness(laser_matched_, Visual(T).normal, setup_.weakness);
+  prior_ = WholeAlongWeak(setup_.prior, weakness_.shift, weakness_.say);
   if (visual_.size() > 0) visual_ = Gated(T);
 }
 
@@ -57,7 +72,7 @@ VisualSum PoseProblem::Visual(const Rigid3d& T) const {
 ShiftedEquations PoseProblem::WithoutCamera(const ShiftedPose& pose) const {
   const Rigid3d T_laser = ShiftedByLaser(pose, weakness_.shift);
   ShiftedEquations sum = WithShift(Laser(T_laser).normal, pose, weakness_.shift);
-  sum.pose += Linearize(setup_.prior, pose.T);
+  sum.pose += Linearize(prior_, pose.T);
   return sum;
 }
 
@@ -85,7 +100,8 @@ PoseSolution PoseProblem::Solve(const Rigid3d& T) const {
 
 Matrix6d PoseProblem::CovarianceOf(const Matrix6d& H, const Rigid3d& T,
                                    const CovarianceOptions& options) const {
-  return HonestCovariance(H, setup_.step_m.value_or(T.t().norm()), options);
+  const Matrix6d prior = Linearize(prior_, T).H;
+  return HonestCovariance(H - prior, setup_.step_m.value_or(T.t().norm()), options, prior);
 }
 
 Matrix6d PoseProblem::Covariance(const PoseSolution& solution) const {
@@ -103,6 +119,7 @@ EstimateEvidence PoseProblem::Evidence(const Rigid3d& T) const {
   evidence.planes = static_cast<int>(laser_.planes.size());
   evidence.edges = static_cast<int>(laser_.lines.size());
   evidence.visual = static_cast<int>(visual_.size());
+  evidence.visual_offered = static_cast<int>(visual_offered_);
   evidence.plane_rms_m = Rms(laser.plane_sq_m2, laser_.planes.size());
   evidence.edge_rms_m = Rms(laser.line_sq_m2, laser_.lines.size());
   evidence.visual_rms = Rms(visual.squared, static_cast<size_t>(visual.count));

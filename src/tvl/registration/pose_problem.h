@@ -17,11 +17,16 @@ namespace tvl {
 struct PriorTerm {
   Rigid3d T;
   Matrix6d information = Matrix6d::Zero();  // right perturbation, [rotation, translation]
+  double share = 1.0;                       // of what is known that `information` holds
 
   static PriorTerm None() { return {}; }
   // `share` of the information of `covariance`, which must be positive definite.
   static PriorTerm Of(const Rigid3d& T, const Matrix6d& covariance, double share = 1.0);
 };
+
+// The prior with its whole information along the laser's weak directions: where the prior counts
+// for less because laser and camera are in it already, there is no laser to count twice.
+PriorTerm WholeAlongWeak(const PriorTerm& prior, const LaserShift& shift, const Vector6d& say);
 
 // Equations of 0.5 r' information r with r = Log(prior.T^-1 T).
 NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T);
@@ -84,6 +89,8 @@ class PoseProblem {
   const Executor& executor_;
   LaserMatches laser_;
   VisualMatches visual_;
+  PriorTerm prior_;            // whole along weak directions
+  size_t visual_offered_ = 0;  // visual matches before those that contradict were dropped
   Weakness weakness_;
   // The laser's sum where it was matched: weakness, gate and solver begin there.
   Rigid3d T_matched_;

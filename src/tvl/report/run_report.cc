@@ -77,6 +77,7 @@ json Evidence(const MotionEstimate& estimate, double f_px) {
           {"edges", e.edges},
           {"planes", e.planes},
           {"visual", e.visual},
+          {"visual_offered", e.visual_offered},
           {"edge_rms_m", e.edge_rms_m},
           {"plane_rms_m", e.plane_rms_m},
           {"visual_rms_px", f_px * e.visual_rms}};

@@ -79,10 +79,11 @@ TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypot
         Compensate(frame, tracked.Motion(reference.T_odom_prev), hypothesis.motion.duration_s());
   }
   if (frame.has_scan && !reference.map.empty()) {
-    const std::vector<uint32_t> sample =
+    const std::vector<FitSample> sample =
         SampleForFit(frame.features.less_flat, options_.mapping.fit);
     tracked.fit = FitToMap(tracked.cloud.planes.points, sample, reference.map, tracked.T_odom_lidar,
                            options_.mapping.fit);
+    tracked.known_fit = FitOfKnownThings(tracked.fit);
   }
   times->map_step_ms += watch.LapMs();
   return tracked;

@@ -50,6 +50,7 @@ struct TrackedPose {
   KeyframeCloud cloud;       // F_ls, F_lf compensated by the motion found
   std::vector<uint32_t> map_step_source;  // of each plane match: index into F_lf
   MapFit fit;                             // of what stands above the ground, at T_odom_lidar
+  KnownFit known_fit;                     // without what the map cannot know
 
   Rigid3d Motion(const Rigid3d& T_odom_prev) const { return T_odom_prev.Inverse() * T_odom_lidar; }
 };

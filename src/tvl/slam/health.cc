@@ -6,6 +6,12 @@
 #include "tvl/base/check.h"
 
 namespace tvl {
+namespace {
+
+// A tenth of the tracks: far more than chance takes from one of two equal hypotheses.
+constexpr double kClearlyLess = 0.1;
+
+}  // namespace
 
 void HealthOptions::Check() const {
   TVL_CHECK_INPUT(window_frames >= 1) << "health.window_frames: must be at least 1";
@@ -38,17 +44,54 @@ Health HealthMonitor::Judge(const TrackedPose& tracked, const Rigid3d& T_odom_ex
   // Where nothing about the vehicle can be judged, a leap has nothing to show for itself.
   if (tracked.fit.judged < options_.min_judged) return is_leap ? Health::kBad : Health::kGood;
   const double rise = tracked.fit.mean - usual_misfit();
-  if (rise > options_.lost_rise) return Health::kBad;
+  if (rise > options_.lost_rise) {
+    const bool goes_on = !is_leap && !was_lost && IsBorneOut(tracked);
+    return goes_on ? Health::kSuspicious : Health::kBad;
+  }
   if (rise > options_.suspicious_rise) {
     return is_leap || was_lost ? Health::kBad : Health::kSuspicious;
   }
   return is_leap ? Health::kSuspicious : Health::kGood;
 }
 
+bool HealthMonitor::IsBorneOut(const TrackedPose& tracked) const {
+  return LiesOnWhatIsKnown(tracked) || CameraAgrees(tracked);
+}
+
+// Landmarks, and the points seen in the image before, were placed in the world then: they confirm a
+// pose without the scan.
+bool HealthMonitor::CameraAgrees(const TrackedPose& tracked) const {
+  constexpr double kMostOfThem = 0.6;
+  return CameraShare(tracked) >= kMostOfThem;
+}
+
+double HealthMonitor::CameraShare(const TrackedPose& tracked) const {
+  constexpr int kEnough = 30;  // by chance not two of a hundred agree
+  double share = 0.0;
+  for (const EstimateEvidence& evidence :
+       {tracked.map_step.estimate.evidence, tracked.odometry.evidence}) {
+    if (evidence.visual < kEnough) continue;
+    share = std::max(share, static_cast<double>(evidence.visual) / evidence.visual_offered);
+  }
+  return share;
+}
+
+bool HealthMonitor::LiesOnWhatIsKnown(const TrackedPose& tracked) const {
+  const KnownFit& known = tracked.known_fit;
+  return known.judged >= options_.min_judged &&
+         known.mean - usual_misfit() < options_.suspicious_rise;
+}
+
 bool HealthMonitor::IsBetter(const TrackedPose& challenger, const TrackedPose& champion,
                              double sigmas) const {
   if (!challenger.is_measured) return false;
   if (!champion.is_measured) return true;
+  // Where traffic hides most of what is known, or the known ends, any pose fits the rest better by
+  // chance: what the known things, or the landmarks, bear out is not given up for it.
+  if (LiesOnWhatIsKnown(champion) && !LiesOnWhatIsKnown(challenger)) return false;
+  if (CameraAgrees(champion) && CameraShare(challenger) < CameraShare(champion) - kClearlyLess) {
+    return false;
+  }
   const FitComparison comparison = Compare(challenger.fit, champion.fit);
   return comparison.common >= options_.min_judged &&
          comparison.better > sigmas * comparison.standard_error;
@@ -56,7 +99,8 @@ bool HealthMonitor::IsBetter(const TrackedPose& challenger, const TrackedPose& c
 
 void HealthMonitor::Learn(const TrackedPose& tracked) {
   if (tracked.fit.judged < options_.min_judged) return;
-  misfits_.push_back(tracked.fit.mean);
+  const bool has_new_things = tracked.fit.mean - usual_misfit() > options_.lost_rise;
+  misfits_.push_back(has_new_things ? tracked.known_fit.mean : tracked.fit.mean);
   if (misfits_.size() > static_cast<size_t>(options_.window_frames)) misfits_.pop_front();
 }
 

@@ -20,10 +20,13 @@ class HealthMonitor {
   explicit HealthMonitor(const HealthOptions& options);
 
   // `T_odom_expected` is where the motion model has the frame. A pose far from it, and any after
-  // the vehicle was lost (`was_lost`), is believed only if its scan lies on the map as usual.
+  // the vehicle was lost (`was_lost`), is believed only if its scan lies on the map as usual. One
+  // where the vehicle was expected may have things before it that the map does not know, such as
+  // passing lorries, as long as all else lies on the map as usual, or the camera's landmarks agree.
   Health Judge(const TrackedPose& tracked, const Rigid3d& T_odom_expected, bool was_lost) const;
   // Whether `challenger` lies on the map better than `champion` by more than `sigmas` standard
-  // errors.
+  // errors. A champion that what is not new, or the camera's landmarks, bear out is not replaced by
+  // one that they do not.
   bool IsBetter(const TrackedPose& challenger, const TrackedPose& champion, double sigmas) const;
   double min_better_sigmas() const { return options_.min_better_sigmas; }
 
@@ -32,6 +35,13 @@ class HealthMonitor {
   double usual_misfit() const;
 
  private:
+  bool IsBorneOut(const TrackedPose& tracked) const;
+  // What is not new lies on the map as usual, and is enough to tell.
+  bool LiesOnWhatIsKnown(const TrackedPose& tracked) const;
+  bool CameraAgrees(const TrackedPose& tracked) const;
+  // Share of the visual matches that agree with laser and prediction; 0 if there are too few.
+  double CameraShare(const TrackedPose& tracked) const;
+
   HealthOptions options_;
   std::deque<double> misfits_;
 };

@@ -14,6 +14,7 @@ TrackedPose Pose(double x_m, double misfit, int points = 800) {
   tracked.T_odom_lidar = Rigid3d::Translation(x_m, 0.0, 0.0);
   tracked.fit.cost.assign(static_cast<size_t>(points), static_cast<float>(misfit));
   tracked.fit.weight.assign(static_cast<size_t>(points), 1.0f);
+  tracked.fit.label.assign(static_cast<size_t>(points), kLabelOutlier);
   tracked.fit.judged = points;
   tracked.fit.mean = misfit;
   return tracked;

@@ -49,6 +49,8 @@ void VisitFields(Visitor& visit, CornerDetectorOptions& options) {
   TVL_FIELD(min_distance_px);
   TVL_FIELD(quality);
   TVL_FIELD(cell_px);
+  TVL_FIELD(min_contrast_sigmas);
+  TVL_FIELD(min_contrast_levels);
 }
 
 template <typename Visitor>

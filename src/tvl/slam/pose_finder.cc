@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace tvl {
 namespace {
@@ -56,6 +57,39 @@ bool HoldsAllDirections(const MotionEstimate& estimate) {
   });
 }
 
+const MotionEstimate& FinalEstimate(const TrackedPose& tracked) {
+  const MotionEstimate& by_map = tracked.map_step.estimate;
+  const bool has_map_step =
+      by_map.status != EstimateStatus::kFirst && by_map.status != EstimateStatus::kPredicted;
+  return has_map_step ? by_map : tracked.odometry;
+}
+
+// Whether two poses differ along a translation that the first does not measure, and hardly
+// otherwise: how they lie on the map says nothing then.
+bool DifferAlongWeak(const TrackedPose& a, const Rigid3d& T_odom_b) {
+  constexpr double kAcross = 0.2;  // share of the difference that may lie across
+  const Eigen::Vector3d difference_m = (a.T_odom_lidar.Inverse() * T_odom_b).t();
+  Eigen::Vector3d across_m = difference_m;
+  for (const WeakDirection& weak : FinalEstimate(a).weak) {
+    if (!weak.is_rotation) across_m -= weak.axis_lidar.dot(across_m) * weak.axis_lidar;
+  }
+  return across_m.norm() < kAcross * difference_m.norm();
+}
+
+// Whether the step's error along a direction that nothing but prediction holds may exceed what a
+// claim to be measured allows (a third of 0.3 m and 3 deg, one standard deviation).
+bool IsStepVague(const TrackedPose& tracked) {
+  constexpr double kVague_m = 0.1, kVague_rad = 0.0175;
+  const Matrix6d& covariance = tracked.step_covariance;
+  const std::vector<WeakDirection>& weak = FinalEstimate(tracked).weak;
+  return std::any_of(weak.begin(), weak.end(), [&](const WeakDirection& direction) {
+    const int first = direction.is_rotation ? 0 : 3;
+    const Eigen::Vector3d& axis = direction.axis_lidar;
+    const double sigma = std::sqrt(axis.dot(covariance.block<3, 3>(first, first) * axis));
+    return sigma > (direction.is_rotation ? kVague_rad : kVague_m);
+  });
+}
+
 }  // namespace
 
 const char* ToString(FrameStatus status) {
@@ -99,6 +133,8 @@ struct PoseFinder::Search {
   const Executor& executor;
   StageTimes* times;
   Rigid3d T_odom_expected;
+  // Whether the vehicle can have come to this pose.
+  std::function<bool(const Rigid3d&)> is_reachable;
   // By how much a hypothesis must lie better than a more probable one.
   double min_better_sigmas;
   FoundPose best;
@@ -114,7 +150,9 @@ struct PoseFinder::Search {
       return IsSame(end.first, tracked.T_odom_lidar);
     });
     ends.emplace_back(tracked.T_odom_lidar, tracked.fit);
-    if (!is_new || !health.IsBetter(tracked, best.tracked, min_better_sigmas)) return;
+    if (!is_new || !is_reachable(tracked.T_odom_lidar)) return;
+    const bool is_better = health.IsBetter(tracked, best.tracked, min_better_sigmas);
+    if (!is_better || DifferAlongWeak(best.tracked, tracked.T_odom_lidar)) return;
     best.tracked = std::move(tracked);
     best.origin = origin;
   }
@@ -233,7 +271,7 @@ std::vector<Rigid3d> PoseFinder::BestLying(const PreprocessedFrame& frame,
                                            const std::vector<Rigid3d>& T_odom_lidar) const {
   MapFitOptions coarse = options_.mapping.fit;
   coarse.max_distance_m = kAlignedReach_m;
-  const std::vector<uint32_t> sample = SampleForFit(frame.features.less_flat, coarse);
+  const std::vector<FitSample> sample = SampleForFit(frame.features.less_flat, coarse);
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < T_odom_lidar.size(); ++i) {
     const MapFit fit = FitToMap(cloud.planes.points, sample, map, T_odom_lidar[i], coarse);
@@ -289,11 +327,8 @@ FrameStatus PoseFinder::StatusOf(const PreprocessedFrame& frame, const TrackedPo
     const double sigma_m = std::sqrt(covariance.block<3, 3>(3, 3).trace());
     return has_data || sigma_m > kLostSigma_m ? FrameStatus::kLost : FrameStatus::kPredicted;
   }
-  const bool by_map = tracked.map_step.estimate.status != EstimateStatus::kFirst &&
-                      tracked.map_step.estimate.status != EstimateStatus::kPredicted;
-  const MotionEstimate& estimate = by_map ? tracked.map_step.estimate : tracked.odometry;
-  return frame.has_scan && HoldsAllDirections(estimate) ? FrameStatus::kTracked
-                                                        : FrameStatus::kDegraded;
+  return frame.has_scan && HoldsAllDirections(FinalEstimate(tracked)) ? FrameStatus::kTracked
+                                                                      : FrameStatus::kDegraded;
 }
 
 FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& context,
@@ -305,9 +340,19 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   }
   const MotionPrediction predicted = Predict(context.interval);
   const bool is_due = frames_ % options_.mapping.interval == 0;
-  Search search{
-      {T_odom_prev_, map, landmarks, is_due}, executor, times, T_odom_prev_ * predicted.T_prev_cur,
-      options_.health.min_better_sigmas,      {},       {}};
+  // While lost the vehicle may have been moved by other means.
+  const auto is_reachable = [&](const Rigid3d& T_odom_lidar) {
+    return !was_measured_ ||
+           IsReachable(motion_, context.interval.period_s, T_odom_prev_.Inverse() * T_odom_lidar);
+  };
+  Search search{{T_odom_prev_, map, landmarks, is_due},
+                executor,
+                times,
+                T_odom_prev_ * predicted.T_prev_cur,
+                is_reachable,
+                options_.health.min_better_sigmas,
+                {},
+                {}};
   if (context.interval.verdict != StampVerdict::kRegular) {
     search.min_better_sigmas = std::min(search.min_better_sigmas, kDoubtfulStampSigmas);
   }
@@ -329,6 +374,7 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   FoundPose found = std::move(search.best);
   found.usual_misfit = health_.usual_misfit();
   found.status = StatusOf(frame, found.tracked, health);
+  found.is_vague = found.status == FrameStatus::kDegraded && IsStepVague(found.tracked);
   if (!IsMeasured(found.status) && is_clear) {
     found.is_provisional = true;
   } else if (!IsMeasured(found.status)) {
@@ -374,6 +420,13 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
   T_odom_prev_ = tracked.T_odom_lidar;
   last_ = std::move(frame);
   ++frames_;
+}
+
+double PoseFinder::MayHaveTravelled_m() const {
+  constexpr double kSpeedingUp_m_s2 = 1.5;  // a car in town
+  const double time_s = periods_unknown_ * setup_.lidar.sweep_s;
+  return periods_unknown_ * motion_.T_period().t().norm() +
+         0.5 * kSpeedingUp_m_s2 * time_s * time_s;
 }
 
 void PoseFinder::Restart() {

@@ -23,7 +23,7 @@ enum class FrameStatus {
   kFirst,      // the world's origin, or the first scan there is
   kTracked,    // measured in all directions
   kDegraded,   // measured, but some direction by prediction alone, or by the camera alone
-  kPredicted,  // nothing usable in the frame: bridged by constant velocity, for less than a second
+  kPredicted,  // bridged by constant velocity, in all directions or in one: nothing measured it
   kLost,       // the pose is not known; it is held forward and says nothing
 };
 const char* ToString(FrameStatus status);
@@ -55,6 +55,9 @@ struct FoundPose {
   // Lost, but one hypothesis lies clearly better than all others: the next frame begins there. It
   // is believed, and written to the map, only when a later scan lies on the map as usual.
   bool is_provisional = false;
+  // Measured, but along some direction the vehicle may have moved by more than a claim allows:
+  // nothing but prediction has held it for too long.
+  bool is_vague = false;
   std::optional<Bridge> bridge;
   // The first motion of raw scans also compensates the scan before it: its features, anew.
   std::optional<KeyframeCloud> previous_cloud;
@@ -84,6 +87,9 @@ class PoseFinder {
 
   // The map begins anew at the last frame, where it was held forward to.
   void Restart();
+
+  // How far the vehicle may be from its last known pose, m: at its last speed, and speeding up.
+  double MayHaveTravelled_m() const;
 
   const PreprocessedFrame& last_frame() const { return last_; }
   const MotionModel& motion() const { return motion_; }

@@ -48,6 +48,19 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
   return motions;
 }
 
+bool IsReachable(const MotionModel& model, double period_s, const Rigid3d& T_prev_cur) {
+  constexpr double kAcceleration_m_s2 = 4.0;  // braking and cornering of a car in a hurry
+  constexpr double kMargin_m = 0.5;           // of the pose before
+  if (!model.known()) return true;
+  for (int periods = 1; periods <= kMostLostPeriods; ++periods) {
+    const double time_s = periods * period_s;
+    const double reach_m = kMargin_m + 0.5 * kAcceleration_m_s2 * time_s * time_s;
+    const Eigen::Vector3d straight_m = periods * model.T_period().t();
+    if ((T_prev_cur.t() - straight_m).norm() < reach_m) return true;
+  }
+  return false;
+}
+
 std::vector<Rigid3d> AlignWithoutGuess(const std::vector<Eigen::Vector3f>& points,
                                        const LocalMap& map, const Rigid3d& T_odom_known,
                                        double radius_m, double yaw_window_rad,

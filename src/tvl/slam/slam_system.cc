@@ -12,9 +12,10 @@
 namespace tvl {
 namespace {
 
-// Lost for so many scans in a row, the map begins anew: in 1.5 seconds a car leaves so much of its
-// surroundings that the next scans will not do better.
+// The map begins anew when so many scans in a row did not find the pose, and the vehicle may have
+// left its surroundings (PoseFinder::MayHaveTravelled_m): the next scans will not do better.
 constexpr int kRestartAfterScans = 15;
+constexpr double kSurroundings_m = 15.0;
 
 SlamOptions Checked(SlamOptions options) {
   options.Check();
@@ -137,10 +138,12 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   last_cloud_ = found.tracked.cloud;
   last_status_ = result.status;
   finder_.Advance(std::move(current), found, context);
-  if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan) {
+  if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan &&
+      finder_.MayHaveTravelled_m() > kSurroundings_m) {
     Restart(result, executor);
     result.map_begins_anew = true;
   }
+  if (found.is_vague) result.status = FrameStatus::kPredicted;  // what was measured is kept
   result.times.total_ms = total.ElapsedMs();
   return result;
 }

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tvl/base/check.h"
+#include "tvl/vision/local_contrast.h"
 
 namespace tvl {
 namespace {
@@ -212,16 +213,24 @@ void CornerDetectorOptions::Check() const {
       << "quality: must lie between 0 and 1, is " << quality;
   TVL_CHECK_INPUT(cell_px >= min_distance_px)
       << "cell_px: must be at least min_distance_px, is " << cell_px;
+  TVL_CHECK_INPUT(min_contrast_sigmas >= 0.0)
+      << "min_contrast_sigmas: must not be negative, is " << min_contrast_sigmas;
+  TVL_CHECK_INPUT(min_contrast_levels >= 0.0)
+      << "min_contrast_levels: must not be negative, is " << min_contrast_levels;
 }
 
-std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient,
+std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient, const cv::Mat& grey,
                                        const std::vector<cv::Point2f>& occupied_px, int count,
                                        const CornerDetectorOptions& options) {
+  TVL_CHECK(grey.size() == gradient.size()) << "gradient and image belong together";
   std::vector<cv::Point2f> corners;
   if (count <= 0 || std::min(gradient.cols, gradient.rows) <= 2 * kBorder_px) return corners;
   const cv::Mat strength = StrengthMap(gradient).map();
   const int block_px = std::max(3, static_cast<int>(0.4 * options.min_distance_px));
   const std::vector<Candidate> candidates = FindCandidates(strength, block_px, options.quality);
+
+  const double min_contrast =
+      std::max(options.min_contrast_levels, options.min_contrast_sigmas * NoiseLevel(grey));
 
   Spacing spacing(gradient.size(), options.min_distance_px);
   Shares shares(gradient.size(), options.cell_px, count + static_cast<int>(occupied_px.size()));
@@ -234,6 +243,7 @@ std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient,
       if (static_cast<int>(corners.size()) == count) return corners;
       const cv::Point2f px = SubPixel(strength, candidate);
       if ((keep_to_share && !shares.HasRoom(px)) || !spacing.IsFree(px)) continue;
+      if (ContrastAround(grey, px) < min_contrast) continue;
       spacing.Add(px);
       shares.Add(px);
       corners.push_back(px);

@@ -14,14 +14,19 @@ struct CornerDetectorOptions {
   // The image is cut into cells of about this side; each gets an equal share of the features first,
   // so that a textured hedge does not take them all.
   double cell_px = 100.0;
+  // Grey levels around a corner must spread by this many standard deviations of the image's noise,
+  // and by so many levels at least; see local_contrast.h.
+  double min_contrast_sigmas = 2.0;
+  double min_contrast_levels = 1.5;
 
   void Check() const;  // throws InputError naming the field
 };
 
 // At most `count` corners, each at least the minimum distance from the others and from
 // `occupied_px`; sub-pixel positions. `gradient` holds dx, dy of each pixel (16-bit signed, two
-// channels): ImagePyramid::gradient(), there for the optical flow. Deterministic.
-std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient,
+// channels): ImagePyramid::gradient(), there for the optical flow. `grey` is the same image before
+// it was equalised, 8 bit, and must show more than noise where a corner is. Deterministic.
+std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient, const cv::Mat& grey,
                                        const std::vector<cv::Point2f>& occupied_px, int count,
                                        const CornerDetectorOptions& options);
 

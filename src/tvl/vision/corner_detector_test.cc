@@ -10,7 +10,7 @@ namespace {
 
 std::vector<cv::Point2f> Detect(const cv::Mat& image, const std::vector<cv::Point2f>& occupied_px,
                                 int count, const CornerDetectorOptions& options) {
-  return DetectCorners(ImagePyramid(image, {}).gradient(), occupied_px, count, options);
+  return DetectCorners(ImagePyramid(image, {}).gradient(), image, occupied_px, count, options);
 }
 
 TEST(CornerDetector, FindsTheCornersOfASquare) {

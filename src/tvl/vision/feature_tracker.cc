@@ -1,5 +1,6 @@
 #include "tvl/vision/feature_tracker.h"
 
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "tvl/base/check.h"
@@ -20,18 +21,62 @@ std::vector<cv::Point2f> Positions(const std::vector<FeatureTrack>& tracks) {
   return px;
 }
 
+// The prediction of each track, or none.
+std::vector<const PixelPrediction*> PredictionsOf(const std::vector<FeatureTrack>& tracks,
+                                                  const PixelPredictions& predicted) {
+  std::vector<const PixelPrediction*> found(tracks.size(), nullptr);
+  auto next = predicted.pixels.begin();
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    while (next != predicted.pixels.end() && next->id < tracks[i].id) ++next;
+    if (next != predicted.pixels.end() && next->id == tracks[i].id) found[i] = &*next;
+  }
+  return found;
+}
+
 // One seed a track: its prediction, else a step as long as its last.
 std::vector<FlowSeed> MakeSeeds(const std::vector<FeatureTrack>& tracks,
-                                const PixelPredictions& predicted) {
+                                const std::vector<const PixelPrediction*>& predicted) {
   std::vector<FlowSeed> seeds;
   seeds.reserve(tracks.size());
-  auto next = predicted.begin();
-  for (const FeatureTrack& track : tracks) {
-    while (next != predicted.end() && next->id < track.id) ++next;
-    const bool hit = next != predicted.end() && next->id == track.id;
-    seeds.push_back({ToCv(hit ? next->px_cam : 2.0 * track.px_cam - track.px_cam_prev), hit});
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    const bool hit = predicted[i] != nullptr;
+    const FeatureTrack& track = tracks[i];
+    seeds.push_back(
+        {ToCv(hit ? predicted[i]->px_cam : 2.0 * track.px_cam - track.px_cam_prev), hit});
   }
   return seeds;
+}
+
+cv::Point2f Map(const cv::Matx33d& H, const cv::Point2f& px) {
+  const cv::Vec3d p = H * cv::Vec3d(px.x, px.y, 1.0);
+  return {static_cast<float>(p[0] / p[2]), static_cast<float>(p[1] / p[2])};
+}
+
+// Follows the points that warp from the previous image as it should look now, and takes over what
+// is found there: results of the others, and of those lost, are left as they are.
+void FollowWarped(const ImagePyramid& previous, const ImagePyramid& current, const cv::Matx33d& H,
+                  const std::vector<cv::Point2f>& points_px,
+                  const std::vector<const PixelPrediction*>& predicted,
+                  const OpticalFlowOptions& options, std::vector<FlowPoint>* flow) {
+  std::vector<cv::Point2f> warped_px;
+  std::vector<FlowSeed> seeds;
+  std::vector<size_t> index;
+  for (size_t i = 0; i < predicted.size(); ++i) {
+    if (predicted[i] == nullptr || !predicted[i]->warps) continue;
+    warped_px.push_back(Map(H, points_px[i]));
+    seeds.push_back({warped_px.back(), true});
+    index.push_back(i);
+  }
+  OpticalFlowOptions near = options;  // the seeds are good: no need to search far
+  near.max_level = options.seeded_level;
+  cv::Mat warped;
+  cv::warpPerspective(previous.grey(), warped, H, previous.size(), cv::INTER_LINEAR,
+                      cv::BORDER_REPLICATE);
+  const std::vector<FlowPoint> found =
+      TrackPoints(ImagePyramid(warped, near), current, warped_px, seeds, near);
+  for (size_t k = 0; k < index.size(); ++k) {
+    if (found[k].status == FlowStatus::kTracked) (*flow)[index[k]] = found[k];
+  }
 }
 
 // Drops the tracks at odds with the epipolar geometry, in place of `result.tracks`.
@@ -81,7 +126,7 @@ FeatureTracks FeatureTracker::Track(const cv::Mat& image, const Camera& camera,
   if (current.size() == previous_.size()) result = Follow(current, camera, predicted);
   const double wanted = options_.refill_share * options_.max_features;
   if (static_cast<double>(result.tracks.size()) < wanted || result.tracks.empty()) {
-    for (FeatureTrack& track : Detect(current.gradient(), camera, result.tracks)) {
+    for (FeatureTrack& track : Detect(current.gradient(), grey, camera, result.tracks)) {
       track.id = next_id_++;
       result.tracks.push_back(track);
       ++result.added;
@@ -97,8 +142,14 @@ FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& 
                                      const PixelPredictions& predicted) const {
   FeatureTracks result;
   std::vector<Eigen::Vector2d> rays_prev;
-  const std::vector<FlowPoint> flow = TrackPoints(previous_, current, Positions(tracks_),
-                                                  MakeSeeds(tracks_, predicted), options_.flow);
+  const std::vector<const PixelPrediction*> expected = PredictionsOf(tracks_, predicted);
+  const std::vector<cv::Point2f> from_px = Positions(tracks_);
+  std::vector<FlowPoint> flow =
+      TrackPoints(previous_, current, from_px, MakeSeeds(tracks_, expected), options_.flow);
+  if (predicted.H_cur_prev_ground) {
+    FollowWarped(previous_, current, *predicted.H_cur_prev_ground, from_px, expected, options_.flow,
+                 &flow);
+  }
   for (size_t i = 0; i < flow.size(); ++i) {
     result.lost_flow += flow[i].status == FlowStatus::kLost;
     result.lost_backward += flow[i].status == FlowStatus::kBackwardMismatch;
@@ -122,11 +173,13 @@ FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& 
   return result;
 }
 
-std::vector<FeatureTrack> FeatureTracker::Detect(const cv::Mat& gradient, const Camera& camera,
+std::vector<FeatureTrack> FeatureTracker::Detect(const cv::Mat& gradient, const cv::Mat& grey,
+                                                 const Camera& camera,
                                                  const std::vector<FeatureTrack>& kept) const {
   const int count = options_.max_features - static_cast<int>(kept.size());
   std::vector<FeatureTrack> found;
-  for (const cv::Point2f& px : DetectCorners(gradient, Positions(kept), count, options_.corners)) {
+  for (const cv::Point2f& px :
+       DetectCorners(gradient, grey, Positions(kept), count, options_.corners)) {
     FeatureTrack track;
     track.px_cam = track.px_cam_prev = ToEigen(px);
     track.ray_cam = camera.Unproject(track.px_cam);

@@ -60,7 +60,8 @@ class FeatureTracker {
  private:
   FeatureTracks Follow(const ImagePyramid& current, const Camera& camera,
                        const PixelPredictions& predicted) const;
-  std::vector<FeatureTrack> Detect(const cv::Mat& gradient, const Camera& camera,
+  std::vector<FeatureTrack> Detect(const cv::Mat& gradient, const cv::Mat& grey,
+                                   const Camera& camera,
                                    const std::vector<FeatureTrack>& kept) const;
   FeatureTracks Forget();
 

@@ -148,7 +148,8 @@ TEST(FeatureTracker, PredictionsReachFarther) {
   const cv::Mat moved = Shift(world, 140.0, 20.0);
   PixelPredictions predicted;
   for (const FeatureTrack& track : first.tracks) {
-    if (track.id % 2) predicted.push_back({track.id, track.px_cam + Eigen::Vector2d(135.0, 17.0)});
+    if (track.id % 2 == 0) continue;
+    predicted.pixels.push_back({track.id, track.px_cam + Eigen::Vector2d(135.0, 17.0)});
   }
   const int without = blind.Track(moved, TestCamera()).tracked;
   const int with = seeded.Track(moved, TestCamera(), predicted).tracked;

@@ -14,7 +14,8 @@ const OpticalFlowOptions kOptions;
 struct Scene {
   cv::Mat image = MakeTexture({640, 320}, 5);
   ImagePyramid previous{image.clone(), kOptions};
-  std::vector<cv::Point2f> corners = DetectCorners(previous.gradient(), {}, 150, {});
+  std::vector<cv::Point2f> corners =
+      DetectCorners(previous.gradient(), previous.grey(), {}, 150, {});
 };
 
 TEST(OpticalFlow, FollowsSubPixelMotion) {

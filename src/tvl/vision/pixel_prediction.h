@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <opencv2/core/matx.hpp>
+#include <optional>
 #include <vector>
 
 #include "tvl/frame/feature_tracks.h"
@@ -14,13 +16,19 @@ namespace tvl {
 struct PixelPrediction {
   TrackId id = 0;
   Eigen::Vector2d px_cam;  // in the image as delivered (distorted), px
+  bool warps = false;      // on the ground, which comes so much nearer that its look changes
 };
 
-using PixelPredictions = std::vector<PixelPrediction>;  // by increasing id
+struct PixelPredictions {
+  std::vector<PixelPrediction> pixels;  // by increasing id
+  // Takes pixels of the ground in the previous image to the current one, where any of them warps.
+  std::optional<cv::Matx33d> H_cur_prev_ground;
+};
 
 // Positions of the tracks with known depth after the camera moved. `tracks` and `depths` (one a
 // track) belong to the previous image; T_cur_prev maps points of the previous camera frame into the
-// current one. Points that come to lie behind the camera or nearer than 0.5 m are left out.
+// current one. Points that come to lie behind the camera or nearer than 0.5 m are left out. Tracks
+// on the ground whose depth is not known are predicted by the plane of those whose depth is.
 PixelPredictions PredictPixels(const FeatureTracks& tracks, const VisualDepths& depths,
                                const Rigid3d& T_cur_prev, const Camera& camera);
 

@@ -22,7 +22,8 @@ TEST(PixelPrediction, ProjectsIntoTheMovedCamera) {
                                {DepthStatus::kNoPoints, 0.0, 0.0},
                                {DepthStatus::kOk, 2.0, 0.1}};
   const Rigid3d T_cur_prev = Rigid3d::Translation(0.0, 0.0, -2.0);  // 2 m forward
-  const PixelPredictions predictions = PredictPixels(tracks, depths, T_cur_prev, camera);
+  const std::vector<PixelPrediction> predictions =
+      PredictPixels(tracks, depths, T_cur_prev, camera).pixels;
   ASSERT_EQ(predictions.size(), 1u);
   EXPECT_EQ(predictions[0].id, 4);
   // (2, -1, 10) m seen 2 m nearer.
