@@ -106,7 +106,6 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   const FeatureTracks all_tracks = current.tracks;
   const VisualDepths all_depths = current.depths;
   result.tracks_moving = moving_tracks_.Remove(&current.tracks, &current.depths);
-
   const FoundPose found =
       finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);
   Describe(current, found, &result);
