@@ -93,10 +93,15 @@ class Refusals(unittest.TestCase):
     def test_first_scans_that_cannot_be_used(self):
         cut_off = small_scan()[:1234]
         no_numbers = struct.pack("<4f", math.nan, 0.0, 0.0, 0.0) * 2000
-        for name, scan in (("empty", b""), ("cut_off", cut_off), ("nan", no_numbers)):
+        too_many_turns = 3 * small_scan()
+        for name, scan, message in (("empty", b"", "no points"),
+                                    ("cut_off", cut_off, "not a multiple of 16"),
+                                    ("nan", no_numbers, "no valid point"),
+                                    ("other", too_many_turns, "192 turns for the 64 beams")):
             with self.subTest(name):
                 sequence = write_sequence(self.folder / name, scan)
-                self.refuses(self.run_on(sequence), "000000.bin")
+                where = "frame 0" if name == "other" else "000000.bin"
+                self.refuses(self.run_on(sequence), where, message, "--frames 1:")
 
     def test_options_nobody_knows(self):
         sequence = write_sequence(self.folder / "seq", small_scan())

@@ -1,6 +1,7 @@
 """A simulated drive through the whole program: simulate, run, evaluate, compare, break, stop."""
 
 import json
+import os
 import signal
 import struct
 import time
@@ -83,6 +84,7 @@ class Run(unittest.TestCase):
     def test_resolved_options_give_the_same_run(self):
         run(folder / "drive", "again", "--config", folder / "one" / "resolved.yaml", "--frames",
             ":12")
+        self.assertEqual(report("again")["threads"], len(os.sched_getaffinity(0)))
         again = poses(folder / "again" / "trajectory_kitti.txt")
         self.assertEqual(again, poses(folder / "one" / "trajectory_kitti.txt")[:12])
 
@@ -130,14 +132,20 @@ class BadFrames(unittest.TestCase):
         (image / "000032.png").unlink()
         replace(scan / "000034.bin", b"")
         (image / "000034.png").unlink()
+        replace(scan / "000036.bin", 3 * (scan / "000036.bin").read_bytes())  # 192 turns
+        (scan / "000038.bin").unlink()
+        (scan / "000038.bin").mkdir()
         result = run(sequence, "run_bad")
         kinds = {f["frame"]: json.dumps(f["faults"]) for f in report("run_bad")["frames"]
                  if f["faults"]}
-        self.assertEqual(sorted(kinds), [10, 14, 18, 22, 26, 28, 30, 32, 34])
+        self.assertEqual(sorted(kinds), [10, 14, 18, 22, 26, 28, 30, 32, 34, 36, 38])
         self.assertIn("invalid_points", kinds[18])
         self.assertIn("black_image", kinds[28])
         self.assertIn("wrong_size_image", kinds[30])
-        for name in ("000010.bin", "000014.bin", "frame 22", "000026.png", "frame 32"):
+        self.assertIn("odd_scan", kinds[36])
+        self.assertIn("missing_scan", kinds[38])
+        for name in ("000010.bin", "000014.bin", "frame 22", "000026.png", "frame 32", "frame 36",
+                     "000038.bin"):
             self.assertIn(name, result.stderr)
         self.assertEqual(report("run_bad")["frames"][34]["status"], "predicted")
         self.assertEqual(len(poses(folder / "run_bad" / "trajectory_kitti.txt")), FRAMES)

@@ -1,5 +1,6 @@
 #include "tvl/cli/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace tvl {
@@ -7,10 +8,11 @@ namespace {
 
 // The one global of the program: a signal handler can reach nothing else.
 // NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
-volatile std::sig_atomic_t g_interrupted = 0;
+std::atomic<bool> g_interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers may not wait");
 
 void Handle(int signal) {
-  g_interrupted = 1;
+  g_interrupted = true;
   std::signal(signal, SIG_DFL);
 }
 
@@ -21,6 +23,6 @@ void CatchInterrupts() {
   std::signal(SIGTERM, Handle);
 }
 
-bool Interrupted() { return g_interrupted != 0; }
+bool Interrupted() { return g_interrupted; }
 
 }  // namespace tvl

@@ -5,6 +5,6 @@ namespace tvl {
 
 // From now on the first SIGINT or SIGTERM only makes Interrupted() true; a second one kills.
 void CatchInterrupts();
-bool Interrupted();
+bool Interrupted();  // from any thread
 
 }  // namespace tvl

@@ -18,6 +18,7 @@ namespace tvl {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 struct Outcome {
   int exit_code;
@@ -79,6 +80,64 @@ TEST_F(Program, InspectShowsAndJudges) {
   const Outcome missing = Run("inspect " + root + "/nix");
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_THAT(missing.err, HasSubstr("nix: no such folder"));
+}
+
+TEST_F(Program, RunRefusesAnOutputFolderThatCannotBeWrittenBeforeTheFirstFrame) {
+  WriteKittiFolder(folder_, LoadProfile("kitti"), 3);
+  const std::string input = folder_.path().string();
+  for (const std::string& out :
+       {folder_ / "calib.txt", folder_ / "calib.txt/out", std::string("/proc")}) {
+    const Outcome outcome = Run("run " + input + " --deskew none --out " + out);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(out + ": cannot be"));
+    EXPECT_THAT(outcome.err, HasSubstr("--out"));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("frame")));
+  }
+}
+
+TEST_F(Program, RunLeavesNothingOfAnEarlierRunAmongItsResults) {
+  WriteKittiFolder(folder_, LoadProfile("kitti"), 3);
+  const std::string run = "run " + folder_.path().string() + " --deskew none --out ";
+  ASSERT_EQ(Run(run + (folder_ / "out")).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/truth_kitti.txt"));
+  folder_.Write("out/loop_place_3.png", "old");
+  folder_.Write("out/notes.txt", "mine");
+  std::filesystem::remove(folder_ / "poses.txt");
+  const Outcome again = Run(run + (folder_ / "out") + " --no-loops");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  for (const char* old : {"truth_kitti.txt", "loops.csv", "loops.png", "loop_place_3.png"}) {
+    EXPECT_FALSE(std::filesystem::exists(folder_ / (std::string("out/") + old))) << old;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/run.json"));
+  EXPECT_EQ(Text(folder_ / "out/notes.txt"), "mine");
+}
+
+TEST_F(Program, RunShowsAndKeepsTheWarningsOfInspect) {
+  WriteKittiFolder(folder_, LoadProfile("kitti"), 3);
+  std::filesystem::remove_all(folder_ / "image_2");
+  std::filesystem::remove(folder_ / "times.txt");
+  std::filesystem::remove(folder_ / "velodyne/000001.bin");
+  const std::string input = folder_.path().string(), out = folder_ / "out";
+  const Outcome inspected = Run("inspect " + input);
+  const Outcome run = Run("run " + input + " --deskew none --out " + out);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto warnings = nlohmann::json::parse(Text(out + "/run.json"))["warnings"];
+  ASSERT_EQ(warnings.size(), 3U);
+  for (const std::string warning : warnings) {
+    EXPECT_THAT(inspected.out, HasSubstr("warning    " + warning + "\n"));
+    EXPECT_THAT(run.err, HasSubstr("warning: " + warning + "\n"));
+  }
+}
+
+TEST_F(Program, StampsSince1970AreKeptToTheNanosecond) {
+  WriteKittiFolder(folder_, LoadProfile("kitti"), 2);
+  folder_.Write("times.txt", "1317042145.964389445\n1.317042146064389447e+09\n");
+  const std::string out = folder_ / "out";
+  const Outcome run = Run("run " + folder_.path().string() + " --deskew none --out " + out);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::vector<std::string> lines = ReadLines(out + "/trajectory_tum.txt");
+  EXPECT_THAT(lines.at(0), testing::StartsWith("1317042145.964389445 "));
+  EXPECT_THAT(lines.at(1), testing::StartsWith("1317042146.064389447 "));
 }
 
 TEST_F(Program, VocabulariesAreTrainedShownAndCompared) {

@@ -1,4 +1,5 @@
 // tvl run: the main job. Data in; trajectory, map and report out.
+#include <oneapi/tbb/info.h>
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,7 @@
 #include "tvl/cli/frame_range.h"
 #include "tvl/cli/input.h"
 #include "tvl/cli/interrupt.h"
+#include "tvl/cli/output_folder.h"
 #include "tvl/cli/progress.h"
 #include "tvl/cli/version.h"
 #include "tvl/io/atomic_file.h"
@@ -38,7 +40,7 @@ constexpr size_t kPlaces = 3;        // drawn before and after (paper Fig. 14)
 
 struct RunArguments {
   std::string input, out, config, profile, deskew = "auto", frames;
-  int threads = 1;
+  int threads = tbb::info::default_concurrency();  // the cores this process may use
   bool no_loops = false, lidar_only = false;
 };
 
@@ -91,14 +93,11 @@ void WriteLoops(const fs::path& out, const RunResult& result, const RunContext& 
   }
 }
 
-// Of an earlier run into the same folder, which this one may not write.
-void RemoveOldLoops(const fs::path& out) {
-  fs::remove(out / "loops.csv");
-  fs::remove(out / "graph.g2o");
-  fs::remove(out / "loops.png");
-  for (size_t i = 1; i <= kPlaces; ++i) {
-    fs::remove(out / ("loop_place_" + std::to_string(i) + ".png"));
-  }
+// Of the whole input, beside the results, for `tvl evaluate`.
+void WriteTruth(const fs::path& out, const Dataset& dataset) {
+  const std::vector<Rigid3d> T_first_cam0 = dataset.Truth_T_first_cam0();
+  if (T_first_cam0.empty()) return;
+  WriteKittiPoses((out / "truth_kitti.txt").string(), T_first_cam0);
 }
 
 // What took longest to find first.
@@ -113,7 +112,6 @@ void WriteResults(const fs::path& out, const RunResult& result, const RunContext
   const nlohmann::json report = MakeRunReport(result, context);
   WriteAtomically((out / "run.json").string(),
                   [&](std::ostream& file) { file << report.dump(1) << "\n"; });
-  RemoveOldLoops(out);
   if (!result.loops.times.empty()) WriteLoops(out, result, context);
   const MapCloud cloud = BuildMapCloud(result.map, kMapVoxel_m);
   WritePcd((out / "map.pcd").string(), cloud);
@@ -147,8 +145,9 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
   if (!store_fault.empty()) std::cout << store_fault << ": kept in memory\n";
   std::cout << TimingTable(result) << "results in " << out << "\n";
   if (result.stopped) {
-    std::cout << "interrupted: the results are complete up to here"
-              << (result.loops.times.empty() ? "\n" : ", without a second look for loops\n");
+    std::cout << (result.failure ? "ended early" : "interrupted")
+              << ": the results are complete up to here"
+              << (result.loops.times.empty() ? "\n" : ", without the second look for loops\n");
   }
 }
 
@@ -171,20 +170,16 @@ RunResult RunWithProgress(const Dataset& dataset, const RunArguments& arguments,
   DatasetSource source(dataset, range.begin, range.end);
   Progress progress(std::cerr, StderrIsTerminal(), "frames", range.end - range.begin);
   size_t done = 0;
-  return RunSlam(source, options, [&](const FrameResult& frame) {
-    for (const FrameFault& fault : frame.faults) {
-      std::cerr << (StderrIsTerminal() ? "\r\033[K" : "") << "tvl: " << fault.message << "\n";
-    }
-    progress.Update(++done, ToString(frame.status));
-    return !Interrupted();
-  });
-}
-
-// Of the whole input, beside the results, for `tvl evaluate`.
-void WriteTruth(const fs::path& out, const Dataset& dataset) {
-  const std::vector<Rigid3d> T_first_cam0 = dataset.Truth_T_first_cam0();
-  if (T_first_cam0.empty()) return;
-  WriteKittiPoses((out / "truth_kitti.txt").string(), T_first_cam0);
+  return RunSlam(
+      source, options,
+      [&](const FrameResult& frame) {
+        for (const FrameFault& fault : frame.faults) {
+          std::cerr << (StderrIsTerminal() ? "\r\033[K" : "") << "tvl: " << fault.message << "\n";
+        }
+        progress.Update(++done, ToString(frame.status));
+        return !Interrupted();
+      },
+      [] { return !Interrupted(); });
 }
 
 void Run(const RunArguments& arguments) {
@@ -196,17 +191,23 @@ void Run(const RunArguments& arguments) {
   input_options.profile = arguments.profile;
   input_options.first_frame = FirstFrame(arguments.frames);
   const std::unique_ptr<Dataset> dataset = OpenInput(arguments.input, input_options);
-  if (!dataset->setup().has_camera && options.slam.use_camera) {
-    std::cerr << "tvl: " << arguments.input << ": no images: running lidar-only\n";
+  PrepareOutputFolder(arguments.out);
+  for (const std::string& warning : dataset->setup().warnings) {
+    std::cerr << "tvl: warning: " << warning << "\n";
   }
-  fs::create_directories(arguments.out);
   const RunResult result = RunWithProgress(*dataset, arguments, options);
   const RunContext context{
       Version(),         arguments.input,          dataset->setup(), DumpOptions(options),
       arguments.threads, 1e-3 * watch.ElapsedMs(), PeakMemory_mib(), TruthOf(*dataset, result)};
+  RemoveOldResults(arguments.out);
   WriteTruth(arguments.out, *dataset);
   WriteResults(arguments.out, result, context);
   PrintSummary(result, context, arguments.out);
+  if (result.failure) std::rethrow_exception(result.failure);
+  if (result.loop_search_broke) {
+    throw Error("the loop search ended early: " + result.loop_fault + "; results are in " +
+                arguments.out);
+  }
 }
 
 }  // namespace
@@ -222,7 +223,8 @@ void AddRunCommand(CLI::App& app) {
          "--out", arguments->out,
          "folder for trajectory_kitti.txt, trajectory_tum.txt, odometry_kitti.txt "
          "(before loops correct it), map.pcd, map.ply, map.png, loops.csv, graph.g2o, loops.png, "
-         "loop_place_*.png, run.json, resolved.yaml, and truth_kitti.txt where the truth is known")
+         "loop_place_*.png, run.json, resolved.yaml, and truth_kitti.txt where the truth is known; "
+         "those of an earlier run are replaced")
       ->required();
   run->add_option("--config", arguments->config, "YAML file with options, see docs/options.md");
   run->add_option("--profile", arguments->profile,
@@ -235,7 +237,7 @@ void AddRunCommand(CLI::App& app) {
       ->capture_default_str();
   run->add_option("--threads", arguments->threads, "threads to work with; never changes results")
       ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->default_str("all cores");
   run->add_flag("--no-loops", arguments->no_loops, "odometry and local map only, no loops closed");
   run->add_flag("--lidar-only", arguments->lidar_only, "leave the camera out");
   run->add_option("--frames", arguments->frames, "A:B: frames A to B-1 only; either may be empty");

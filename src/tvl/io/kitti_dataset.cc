@@ -99,9 +99,11 @@ KittiDataset::KittiDataset(const std::string& folder, const LidarModel& lidar,
   TVL_CHECK_INPUT(options.first_frame < size())
       << folder << ": no frame " << options.first_frame << ", there are " << size();
   const SensorFrame first = Frame(options.first_frame);
-  TVL_CHECK_INPUT(first.scan != nullptr)
+  const FrameFault* fault = FaultOfScan(first.faults);
+  TVL_CHECK_INPUT(fault == nullptr)
       << folder << ": frame " << options.first_frame
-      << " has no usable scan to begin with: " << first.faults.front().message;
+      << " has no usable scan to begin with: " << fault->message << "; begin later, e.g. --frames "
+      << options.first_frame + 1 << ":, or mend it";
 }
 
 SensorFrame KittiDataset::Frame(size_t index) const {

@@ -101,6 +101,13 @@ TEST_F(KittiFolder, UnusableFromTheStartIsAnErrorThatNamesIt) {
 TEST_F(KittiFolder, NoScansOrABadFirstOneIsAnError) {
   folder_.Write("velodyne/000000.bin", "");
   EXPECT_THAT(OpenError(), HasSubstr("000000.bin: no points"));
+  EXPECT_THAT(OpenError(), HasSubstr("begin later, e.g. --frames 1:"));
+  LidarScan cut = CylinderScan(lidar_);  // two faults: only the second makes it unusable
+  cut.points.resize(20 * 200);
+  cut.points[5].setConstant(std::numeric_limits<float>::quiet_NaN());
+  cut.intensity.clear();
+  WriteVelodyneBin(Scan(0), cut);
+  EXPECT_THAT(OpenError(), HasSubstr("000000.bin: only 20 rings of 64"));
   KittiOptions later;
   later.first_frame = 1;
   EXPECT_EQ(KittiDataset(Root(), lidar_, later).size(), 4U);
@@ -117,6 +124,13 @@ TEST_F(KittiFolder, BrokenScansAreFaultsOfTheirFrame) {
   EXPECT_THAT(FaultsOf(2), ElementsAre(Kind::kTruncatedScan));
   std::filesystem::remove(Scan(2));
   EXPECT_THAT(FaultsOf(2), ElementsAre(Kind::kMissingScan));
+  std::filesystem::resize_file(Scan(3), std::uintmax_t{1} << 30);  // of nothing
+  EXPECT_THAT(FaultsOf(3), ElementsAre(Kind::kMissingScan));
+  std::filesystem::remove(Scan(3));
+  std::filesystem::create_directory(Scan(3));
+  std::filesystem::remove(Image(3));
+  std::filesystem::create_directory(Image(3));
+  EXPECT_THAT(FaultsOf(3), ElementsAre(Kind::kMissingScan, Kind::kUnreadableImage));
   const SensorFrame frame = Open().Frame(2);
   EXPECT_EQ(frame.scan, nullptr);
   EXPECT_FALSE(frame.image.empty());

@@ -97,6 +97,36 @@ TEST(KittiTimes, RawStampsAreExact) {
   EXPECT_THROW(ReadRawTimestamps(folder.Write("t.txt", "2011-09-26 13:02:25,5\n")), InputError);
 }
 
+TEST(KittiTimes, SecondsAreExactWhereverTheyCountFrom) {
+  const TempFolder folder;
+  const std::vector<std::pair<std::string, int64_t>> expected = {
+      {"1317042145.964389445", 1317042145964389445},
+      {"1.317042145964389445e+09", 1317042145964389445},
+      {"1317042145", 1317042145000000000},
+      {" 1317042145.9643894454999 ", 1317042145964389445},
+      {"1317042145.9643894455", 1317042145964389446},
+      {"-1317042145.000000001", -1317042145000000001},
+      {"+8.999999999E9", 8999999999000000000},
+      {"1.036224e-01", 103622400},
+      {"123e-9", 123},
+      {"5e-10", 1},
+      {"4e-10", 0},
+      {"1e-300", 0},
+      {"0e99", 0},
+      {".5", 500000000}};
+  std::string text;
+  for (const auto& [word, ns] : expected) text += word + "\n";
+  const std::vector<Timestamp> stamps = ReadOdometryTimes(folder.Write("times.txt", text));
+  ASSERT_EQ(stamps.size(), expected.size());
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    EXPECT_EQ(stamps[i].ns, expected[i].second) << expected[i].first;
+  }
+  for (const char* word : {"1317042145964389445", "0.1 0.2", "0.1s", "nan", "", "-9e9"}) {
+    EXPECT_THROW(ReadOdometryTimes(folder.Write("t.txt", std::string(word) + "\n0\n")), InputError)
+        << word;
+  }
+}
+
 TEST(CountAzimuthTurns, CountsNetTurnsEitherWay) {
   for (const double sign : {1.0, -1.0}) {
     std::vector<Eigen::Vector3f> points;

@@ -45,10 +45,7 @@ std::vector<Timestamp> ReadOdometryTimes(const std::string& path) {
   std::vector<Timestamp> stamps;
   const std::vector<std::string> lines = ReadLines(path);
   for (size_t i = 0; i < lines.size(); ++i) {
-    const std::vector<double> numbers = ParseNumbers(lines[i], LineOf(path, i));
-    TVL_CHECK_INPUT(numbers.size() == 1)
-        << LineOf(path, i) << ": want one number, has " << numbers.size();
-    stamps.push_back(Timestamp::FromSeconds(numbers[0]));
+    stamps.push_back(ParseSeconds(lines[i], LineOf(path, i)));
   }
   return stamps;
 }

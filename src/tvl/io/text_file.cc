@@ -1,5 +1,6 @@
 #include "tvl/io/text_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -40,6 +41,32 @@ std::vector<double> ParseNumbers(const std::string& text, const std::string& whe
     numbers.push_back(value);
     p = next;
   }
+}
+
+Timestamp ParseSeconds(const std::string& text, const std::string& where) {
+  constexpr double kMost_s = 9e9;  // 285 years: what 64 bits of nanoseconds hold
+  const std::vector<double> numbers = ParseNumbers(text, where);
+  TVL_CHECK_INPUT(numbers.size() == 1) << where << ": want one number, has " << numbers.size();
+  TVL_CHECK_INPUT(std::abs(numbers[0]) < kMost_s)
+      << where << ": want seconds, is " << numbers[0] << ": are these nanoseconds?";
+  if (numbers[0] == 0.0) return {};
+  // A number it is: [sign] digits with a point somewhere [e exponent].
+  const size_t e = std::min(text.find_first_of("eE"), text.size());
+  std::string digits;
+  int64_t shift = 9 + (e < text.size() ? std::stoll(text.substr(e + 1)) : 0);  // of the point
+  bool is_fraction = false;
+  for (const char c : text.substr(0, e)) {
+    is_fraction = is_fraction || c == '.';
+    if (c < '0' || c > '9') continue;
+    digits += c;
+    shift -= is_fraction ? 1 : 0;
+  }
+  const int64_t kept = static_cast<int64_t>(digits.size()) + shift;
+  if (kept < 0) return {};
+  digits.resize(std::max(digits.size(), static_cast<size_t>(kept)) + 1, '0');
+  const bool round_up = digits[static_cast<size_t>(kept)] >= '5';
+  const int64_t ns = std::stoll("0" + digits.substr(0, static_cast<size_t>(kept))) + round_up;
+  return {numbers[0] < 0.0 ? -ns : ns};
 }
 
 std::string LineOf(const std::string& path, size_t index) {

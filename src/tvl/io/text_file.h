@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tvl/base/time.h"
+
 namespace tvl {
 
 // The lines of a file without their ends; empty lines at the end of the file are dropped.
@@ -14,6 +16,10 @@ std::vector<std::string> ReadLines(const std::string& path);
 // The numbers of a line, separated by blanks. Throws InputError beginning with `where` for
 // anything that is not a finite number.
 std::vector<double> ParseNumbers(const std::string& text, const std::string& where);
+
+// One decimal number of seconds, digit by digit: a double cannot tell the nanoseconds of a stamp
+// that counts from 1970. Throws InputError beginning with `where`.
+Timestamp ParseSeconds(const std::string& text, const std::string& where);
 
 // "path:line" with lines counted from 1, as compilers write it.
 std::string LineOf(const std::string& path, size_t index);

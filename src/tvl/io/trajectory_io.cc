@@ -45,26 +45,11 @@ std::string StampText(Timestamp stamp) {
   return buffer;
 }
 
-// Inverse of StampText; other decimal forms are read through a double.
-Timestamp ParseStamp(const std::string& word, const std::string& where) {
-  const size_t dot = word.find('.');
-  const bool is_plain = dot != std::string::npos && dot > 0 && word.size() - dot == 10 &&
-                        word.find_first_not_of("0123456789.") == std::string::npos &&
-                        word.find('.', dot + 1) == std::string::npos;
-  // Ten digits below 9e9 s still fit into 64 bits of nanoseconds.
-  if (is_plain && (dot <= 9 || (dot == 10 && word[0] < '9'))) {
-    return {std::stoll(word.substr(0, dot)) * 1000000000 + std::stoll(word.substr(dot + 1))};
-  }
-  const std::vector<double> numbers = ParseNumbers(word, where);
-  TVL_CHECK_INPUT(numbers.size() == 1) << where << ": want a time";
-  return Timestamp::FromSeconds(numbers[0]);
-}
-
 StampedPose ParseTumLine(const std::string& line, const std::string& where) {
   const size_t begin = line.find_first_not_of(" \t");
   const size_t end = std::min(line.find_first_of(" \t", begin), line.size());
   StampedPose pose;
-  pose.stamp = ParseStamp(line.substr(begin, end - begin), where);
+  pose.stamp = ParseSeconds(line.substr(begin, end - begin), where);
   const std::vector<double> v = ParseNumbers(line.substr(end), where);
   TVL_CHECK_INPUT(v.size() == 7) << where << ": want 8 numbers, has " << v.size() + 1;
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);

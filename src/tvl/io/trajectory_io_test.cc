@@ -70,6 +70,13 @@ TEST(TrajectoryIo, TumFormatIsTheDocumentedOne) {
   EXPECT_EQ(read[0].stamp.ns, 2500000000);
 }
 
+TEST(TrajectoryIo, StampsSince1970KeepTheirNanoseconds) {
+  const TempFolder folder;
+  WriteTumTrajectory(folder / "t.txt", {{0, {1317042145964389445}, Rigid3d()}});
+  EXPECT_THAT(ReadLines(folder / "t.txt").at(0), testing::StartsWith("1317042145.964389445 "));
+  EXPECT_EQ(ReadTumTrajectory(folder / "t.txt").at(0).stamp.ns, 1317042145964389445);
+}
+
 TEST(TrajectoryIo, LidarMotionBecomesCameraMotion) {
   // Camera 0.5 m ahead of the lidar, axes turned the usual way: the lidar's forward is the camera's
   // z. Lidar drives 2 m ahead and turns a quarter to the left: the camera, at its nose, ends 2 m

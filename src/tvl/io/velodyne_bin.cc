@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -16,15 +17,19 @@ namespace tvl {
 namespace {
 
 constexpr size_t kPointBytes = 4 * sizeof(float);
-constexpr float kMaxCoordinate_m = 1e4F;  // no lidar sees further: such bytes are garbage
+constexpr std::streamoff kMostBytes = 1 << 28;  // 16 million points
+constexpr float kMaxCoordinate_m = 1e4F;        // no lidar sees further: such bytes are garbage
 
 using Kind = FrameFault::Kind;
 
+// Nothing of what is not a file, such as a folder of that name, or larger than any scan.
 std::optional<std::vector<char>> ReadBytes(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file.good()) return std::nullopt;
   const std::streamoff size = file.tellg();
-  if (size < 0) return std::nullopt;
+  if (size < 0 || size > kMostBytes) return std::nullopt;
   std::vector<char> bytes(static_cast<size_t>(size));
   file.seekg(0);
   file.read(bytes.data(), size);
@@ -68,7 +73,8 @@ std::string Truncation(const LidarScan& scan, int turns, const ScanExpectation& 
   std::ostringstream out;
   if (turns + 1 < expected.min_ring_share * expected.rings) {
     out << "only " << turns + 1 << " rings of " << expected.rings << " (" << scan.size()
-        << " points): cut off, not stored ring after ring, or another sensor than the profile's";
+        << " points): cut off, not stored ring after ring, or another sensor than the profile's "
+           "(--profile)";
   } else if (static_cast<double>(scan.size()) <
              expected.min_point_share * static_cast<double>(expected.typical_points)) {
     out << "only " << scan.size() << " points, " << expected.typical_points

@@ -11,6 +11,9 @@
 namespace tvl {
 namespace {
 
+// More than any lidar has; a range image of so many rows would fill the memory.
+constexpr int kMostRings = 1024;
+
 constexpr float kTwoPi = static_cast<float>(2.0 * kPi);
 
 // +1 where azimuth rises with the stored order, -1 where it falls: the majority of the steps.
@@ -60,7 +63,7 @@ RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOption
       previous = phase;
     }
     out.row[i] = static_cast<uint16_t>(std::clamp(turn, 0, 65535));
-    out.rings_found = std::max(out.rings_found, turn + 1);
+    out.rings_found = std::max(out.rings_found, std::max(turn, 0) + 1);
   }
   return DropStump(std::move(out));
 }
@@ -104,6 +107,7 @@ RingAssignment UseGivenRings(const LidarScan& scan, const LidarModel& model, Rin
   TVL_CHECK_INPUT(model.rows() == 0 || highest < model.rows())
       << "scan: ring " << highest << ", but lidar '" << model.name << "' has " << model.rows()
       << " beams";
+  TVL_CHECK_INPUT(highest < kMostRings) << "scan: ring " << highest << ": no lidar has as many";
   out.rows = model.rows() > 0 ? model.rows() : highest + 1;
   std::vector<uint8_t> seen(static_cast<size_t>(highest) + 1, 0);
   for (const uint16_t r : scan.ring) seen[r] = 1;
@@ -119,6 +123,8 @@ void CheckStoredByRing(size_t points, int turns, const LidarModel& model) {
   TVL_CHECK_INPUT(model.rows() == 0 || turns <= 2 * model.rows())
       << "scan: " << turns << " turns for the " << model.rows() << " beams of lidar '" << model.name
       << "': not stored ring after ring, and no ring numbers are given";
+  TVL_CHECK_INPUT(turns <= kMostRings)
+      << "scan: " << turns << " turns: not stored ring after ring, and no ring numbers are given";
 }
 
 }  // namespace

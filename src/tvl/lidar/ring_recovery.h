@@ -46,7 +46,8 @@ struct RingAssignment {
 };
 
 // `geometry` belongs to `scan`. Throws InputError if a given ring lies outside the sensor's beams,
-// or if the points are plainly not stored ring after ring. `reuse` hands in memory.
+// if the points are plainly not stored ring after ring, or for more rings than any lidar has.
+// `reuse` hands in memory.
 RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             const LidarModel& model, const RingRecoveryOptions& options,
                             RingAssignment reuse = {});

@@ -146,6 +146,29 @@ TEST(RingRecovery, OtherOrdersOfStorageAreRefused) {
   EXPECT_THROW(Recover(scan), InputError);
 }
 
+TEST(RingRecovery, MoreRingsThanAnyLidarHasAreRefused) {
+  LidarModel unknown = Hdl64();
+  unknown.beam_elevation_rad.clear();
+  LidarScan scan;
+  for (int i = 0; i < 6000; ++i) {  // three points a turn
+    const float azimuth = 2.1f * static_cast<float>(i);
+    scan.points.emplace_back(5.0f * std::cos(azimuth), 5.0f * std::sin(azimuth), 0.0f);
+  }
+  EXPECT_THROW(Recover(scan, unknown), InputError);
+  scan.ring.assign(scan.size(), 65535);
+  EXPECT_THROW(Recover(scan, unknown), InputError);
+}
+
+// Nothing but points just before the start of a ring: as if all trembled across it.
+TEST(RingRecovery, AHandfulOfPointsBeforeTheStartIsARing) {
+  LidarScan scan;
+  for (int i = 0; i < 7; ++i)
+    scan.points.emplace_back(5.0f, -0.2f + 0.01f * static_cast<float>(i), -0.1f);
+  const RingAssignment rings = Recover(scan);
+  EXPECT_EQ(rings.rings_found, 1);
+  for (const uint16_t row : rings.row) EXPECT_LT(row, 64);
+}
+
 TEST(RingRecovery, EmptyScan) {
   const RingAssignment rings = Recover(LidarScan{});
   EXPECT_TRUE(rings.row.empty());

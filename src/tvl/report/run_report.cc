@@ -207,6 +207,7 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                  {"input", context.input},
                  {"lidar_profile", context.setup.lidar.name},
                  {"camera", context.setup.has_camera},
+                 {"warnings", context.setup.warnings},
                  {"threads", context.threads},
                  {"complete", !result.stopped},
                  {"options", ToJson(YAML::Load(context.options_yaml))},
@@ -217,7 +218,10 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                  {"peak_memory_mib", context.peak_memory_mib},
                  {"frames", frames}};
   if (!result.loops.times.empty()) report["loops"] = LoopsToJson(result.loops, context.truth);
-  if (!result.loop_fault.empty()) report["loops"]["fault"] = result.loop_fault;
+  if (!result.loop_fault.empty()) {
+    report["loops"]["fault"] = result.loop_fault;
+    report["loops"]["is_defect"] = result.loop_search_broke;
+  }
   report["keyframe_store"] = {{"memory_bytes", result.map.store->memory_bytes()},
                               {"file_bytes", result.map.store->file_bytes()}};
   if (context.setup.seed) report["seed"] = *context.setup.seed;

@@ -12,6 +12,8 @@ const char* ToString(FrameFault::Kind kind) {
       return "empty_scan";
     case FrameFault::Kind::kInvalidPoints:
       return "invalid_points";
+    case FrameFault::Kind::kOddScan:
+      return "odd_scan";
     case FrameFault::Kind::kMissingImage:
       return "missing_image";
     case FrameFault::Kind::kUnreadableImage:
@@ -32,6 +34,17 @@ const char* ToString(FrameFault::Kind kind) {
       return "repeated_image";
   }
   return "unknown";
+}
+
+const FrameFault* FaultOfScan(const std::vector<FrameFault>& faults) {
+  using Kind = FrameFault::Kind;
+  for (const FrameFault& fault : faults) {
+    if (fault.kind == Kind::kMissingScan || fault.kind == Kind::kTruncatedScan ||
+        fault.kind == Kind::kEmptyScan || fault.kind == Kind::kOddScan) {
+      return &fault;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace tvl

@@ -18,7 +18,8 @@ struct FrameFault {
     kMissingScan,
     kTruncatedScan,  // fewer rings than the sensor has, or not a whole number of points
     kEmptyScan,
-    kInvalidPoints,  // NaN or infinite coordinates: dropped
+    kInvalidPoints,  // NaN, infinite or absurd numbers: dropped
+    kOddScan,        // of another shape than the sensor's: its rings cannot be told
     kMissingImage,
     kUnreadableImage,
     kBlackImage,
@@ -35,6 +36,9 @@ struct FrameFault {
 
 // Short name of a fault, e.g. "truncated_scan": the key it is counted under in run.json.
 const char* ToString(FrameFault::Kind kind);
+
+// The fault for which a frame has no scan; null where none says so.
+const FrameFault* FaultOfScan(const std::vector<FrameFault>& faults);
 
 // The stamp is the image instant; a pose belongs to that instant; a compensated scan is
 // compensated to it.

@@ -30,6 +30,13 @@ TEST(DatasetSource, DeliversTheRangeInOrderAndEnds) {
   EXPECT_THROW(DatasetSource(dataset, 5, 9), InputError);
 }
 
+TEST(FrameFaults, TheOneThatCostTheScanIsFound) {
+  using Kind = FrameFault::Kind;
+  EXPECT_EQ(FaultOfScan({{Kind::kInvalidPoints, "a"}, {Kind::kBlackImage, "b"}}), nullptr);
+  const std::vector<FrameFault> faults = {{Kind::kInvalidPoints, "a"}, {Kind::kOddScan, "b"}};
+  EXPECT_EQ(FaultOfScan(faults), &faults[1]);
+}
+
 TEST(LidarModel, LargestGapAndOrder) {
   LidarModel model;
   model.beam_elevation_rad = {DegToRad(2.0), DegToRad(1.5), DegToRad(0.5)};

@@ -72,7 +72,7 @@ class LoopCloser::Impl {
   // Puts the loops accepted since the last call into the graph; false if there are none.
   bool Close(LoopTimes* times);
   // True if poses changed.
-  bool LookAgain();
+  bool LookAgain(const std::function<bool()>& go_on);
   bool Polish();
   std::vector<int> ConnectedTo(int keyframe) const;
 
@@ -383,13 +383,17 @@ bool LoopCloser::Impl::IsOldNews(const LoopProposal& proposal) const {
   });
 }
 
-bool LoopCloser::Impl::LookAgain() {
+bool LoopCloser::Impl::LookAgain(const std::function<bool()>& go_on) {
+  report.second_look_stopped = !go_on();
+  if (report.second_look_stopped) return false;
   const Stopwatch watch;
   LoopTimes times;
   const size_t before = report.records.size();
   bool has_closed = false;
   for (int k = 0; k <= last() && options_.use_vicinity; ++k) {
     if (has_loop_[Index(k)] != 0) continue;
+    report.second_look_stopped = !go_on();
+    if (report.second_look_stopped) break;
     const std::vector<double> linked_m = LinkedPathOf(k);
     std::vector<LoopProposal> proposals = ProposeVicinity(
         track_, k, linked_m, options_.drift.vicinity(), options_.separation, options_.vicinity);
@@ -451,9 +455,9 @@ LoopUpdate LoopCloser::Process(const Keyframe& keyframe, const KeyframePayload& 
   return update;
 }
 
-LoopUpdate LoopCloser::LookAgain() {
+LoopUpdate LoopCloser::LookAgain(const std::function<bool()>& go_on) {
   LoopUpdate update;
-  if (impl_->LookAgain()) update.T_world_lidar = impl_->poses();
+  if (impl_->LookAgain(go_on)) update.T_world_lidar = impl_->poses();
   update.last = impl_->last();
   return update;
 }

@@ -1,6 +1,7 @@
 // Section 6 of the paper in one place: a keyframe in, corrected poses of all keyframes out.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "tvl/map/keyframe_store.h"
@@ -21,8 +22,9 @@ class LoopCloser {
   // Keyframes in the order they were made; the store must have their payloads from the next one on.
   // Their T_world_lidar is not read.
   LoopUpdate Process(const Keyframe& keyframe, const KeyframePayload& payload);
-  // At the end of the data: looks once more at all keyframes without a loop ...
-  LoopUpdate LookAgain();
+  // At the end of the data: looks once more at all keyframes without a loop, as long as `go_on`,
+  // asked before each of them, says yes ...
+  LoopUpdate LookAgain(const std::function<bool()>& go_on = [] { return true; });
   // ... and solves the whole graph as one, dropping loops that the others contradict.
   LoopUpdate Polish();
 

@@ -57,6 +57,7 @@ struct LoopReport {
   std::vector<LoopRecord> records;  // in the order of the proposals
   std::vector<LoopTimes> times;     // one a keyframe
   double second_look_ms = 0.0, polish_ms = 0.0;
+  bool second_look_stopped = false;  // by the user, before its end
   // How much larger the odometry's errors turned out, in variance, than its covariances say: 1..25.
   double odometry_variance_factor = 1.0;
   PoseGraph graph;  // as optimised in the end

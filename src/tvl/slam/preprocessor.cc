@@ -1,5 +1,6 @@
 #include "tvl/slam/preprocessor.h"
 
+#include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/depth_association.h"
 #include "tvl/lidar/deskew.h"
@@ -18,11 +19,11 @@ Preprocessor::Preprocessor(const SensorSetup& setup, Deskew deskew,
 
 PreprocessedFrame Preprocessor::Process(const SensorFrame& frame, const PredictedMotion& predicted,
                                         const BeamOffsets& beams, const Executor& executor,
-                                        StageTimes* times) {
+                                        StageTimes* times, std::vector<FrameFault>* faults) {
   PreprocessedFrame out;
   out.id = frame.id;
   out.stamp = frame.stamp;
-  executor.Invoke({[&] { ProcessScan(frame, beams, &out, times); },
+  executor.Invoke({[&] { ProcessScan(frame, beams, &out, times, faults); },
                    [&] { ProcessImage(frame, predicted, &out, times); }});
   const Stopwatch watch;
   out.depths = FindDepths(out.tracks, out, predicted);
@@ -47,10 +48,17 @@ void Preprocessor::ProcessImage(const SensorFrame& frame, const PredictedMotion&
 }
 
 void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beams,
-                               PreprocessedFrame* out, StageTimes* times) {
+                               PreprocessedFrame* out, StageTimes* times,
+                               std::vector<FrameFault>* faults) {
   if (frame.scan == nullptr) return;
   Stopwatch watch;
-  out->scan = SegmentScan(*frame.scan, setup_.lidar, deskew_, options_.segmentation, &workspace_);
+  try {
+    out->scan = SegmentScan(*frame.scan, setup_.lidar, deskew_, options_.segmentation, &workspace_);
+  } catch (const InputError& error) {
+    faults->push_back(
+        {FrameFault::Kind::kOddScan, "frame " + std::to_string(frame.id) + ": " + error.what()});
+    return;
+  }
   ApplyBeamOffsets(beams, out->scan.ring, &out->scan.points);
   times->segmentation_ms += watch.LapMs();
   out->features = ExtractLaserFeatures(out->scan, setup_.lidar, options_.features);

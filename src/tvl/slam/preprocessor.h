@@ -23,9 +23,11 @@ class Preprocessor {
                bool use_camera);
 
   // Image and scan are worked on side by side where the executor has threads. Times are added to
-  // `times`; `beams` corrects the points.
+  // `times`; `beams` corrects the points. A scan whose rings cannot be told is left out, for which
+  // `faults` says why.
   PreprocessedFrame Process(const SensorFrame& frame, const PredictedMotion& predicted,
-                            const BeamOffsets& beams, const Executor& executor, StageTimes* times);
+                            const BeamOffsets& beams, const Executor& executor, StageTimes* times,
+                            std::vector<FrameFault>* faults);
 
   // What loop detection keeps of a keyframe's image, with depth where the lidar knows it (paper
   // 6.1). `motion` is the frame's, as estimated. Empty without a usable image.
@@ -36,7 +38,7 @@ class Preprocessor {
   void ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,
                     PreprocessedFrame* out, StageTimes* times);
   void ProcessScan(const SensorFrame& frame, const BeamOffsets& beams, PreprocessedFrame* out,
-                   StageTimes* times);
+                   StageTimes* times, std::vector<FrameFault>* faults);
   VisualDepths FindDepths(const FeatureTracks& tracks, const PreprocessedFrame& frame,
                           const PredictedMotion& motion) const;
 

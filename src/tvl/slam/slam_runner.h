@@ -2,6 +2,7 @@
 // depend on the number of threads.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <optional>
 
@@ -24,10 +25,14 @@ struct RunResult {
   Trajectory trajectory;            // of the same frames, with all loops
   Map map;
   LoopReport loops;
-  std::string loop_fault;  // why the loop search ended before its time; empty: it did not
-  OdometryPath odometry;   // of the same frames, before loops correct it
+  std::string loop_fault;          // why the loop search ended before its time; empty: it did not
+  bool loop_search_broke = false;  // that was a defect of the program
+  OdometryPath odometry;           // of the same frames, before loops correct it
   DeskewDecision deskew;
-  bool stopped = false;  // the observer said so
+  bool stopped = false;  // the observer or `go_on` said so, or `failure`
+  // What ended the run at a frame after the first keyframe: the results are complete up to there,
+  // and it is to be thrown again once they are safe. Null: nothing did.
+  std::exception_ptr failure;
 };
 
 // Sees every frame's result, once and in order; returns false to stop the run (all results so far
@@ -35,7 +40,12 @@ struct RunResult {
 // it sees the results under the input's default.
 using RunObserver = std::function<bool(const FrameResult&)>;
 
-// Throws InputError if not one frame has a usable scan.
-RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObserver& observer);
+// What is thrown by the source, a frame or the observer ends the run: see RunResult::failure.
+// Without a keyframe it is thrown at once. Throws InputError if not one frame has a usable scan, or
+// at once if the first frame's scan is one whose rings cannot be told: the others will hardly be
+// better. `go_on` is asked during the second look for loops.
+RunResult RunSlam(
+    FrameSource& source, const RunOptions& options, const RunObserver& observer,
+    const GoOn& go_on = [] { return true; });
 
 }  // namespace tvl

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
 #include "tvl/base/check.h"
 #include "tvl/slam/test_drive.h"
 
@@ -11,7 +16,7 @@ namespace {
 using synthetic::Drive;
 using synthetic::DriveOptions;
 
-bool GoOn(const FrameResult&) { return true; }
+bool SeeAll(const FrameResult&) { return true; }
 
 DriveOptions Frames(size_t frames, Deskew spin = Deskew::kNone) {
   DriveOptions options;
@@ -26,7 +31,8 @@ RunOptions LidarOnly() {
   return options;
 }
 
-RunResult Play(const Drive& drive, const RunOptions& options, const RunObserver& observer = GoOn) {
+RunResult Play(const Drive& drive, const RunOptions& options,
+               const RunObserver& observer = SeeAll) {
   DatasetSource source(drive);
   return RunSlam(source, options, observer);
 }
@@ -77,11 +83,102 @@ TEST(RunSlam, StoppedItDoesNotLookAgainForLoops) {
   EXPECT_EQ(stopped.loops.graph.T_world.size(), stopped.map.keyframes.size()) << "polished";
 }
 
-TEST(RunSlam, RefusesAnInputWithoutAnyScan) {
-  DriveOptions options = Frames(3);
-  options.without_scan = {0, 1, 2};
-  const Drive drive(options);
-  EXPECT_THROW(Play(drive, LidarOnly()), InputError);
+TEST(RunSlam, TheSecondLookCanBeStopped) {
+  const Drive drive(Frames(12));
+  RunOptions options = LidarOnly();
+  options.deskew = Deskew::kNone;
+  for (const int threads : {1, 2}) {
+    for (const int answers : {0, 4}) {  // yes so often, then no
+      options.threads = threads;
+      int asked = 0;
+      DatasetSource source(drive);
+      const RunResult result =
+          RunSlam(source, options, SeeAll, [&asked, answers] { return ++asked <= answers; });
+      EXPECT_EQ(asked, answers + 1) << "not asked again once stopped";
+      EXPECT_TRUE(result.stopped);
+      EXPECT_TRUE(result.loops.second_look_stopped);
+      EXPECT_EQ(result.frames.size(), 12u);
+      EXPECT_EQ(result.trajectory.size(), 12u);
+      EXPECT_EQ(result.loops.graph.T_world.size(), result.map.keyframes.size()) << "polished";
+    }
+  }
+}
+
+// A drive with one frame's data exchanged.
+class DriveWith : public Drive {
+ public:
+  DriveWith(const DriveOptions& options, std::set<size_t> frames, LidarScan scan)
+      : Drive(options), frames_(std::move(frames)), scan_(std::move(scan)) {}
+  SensorFrame Frame(size_t index) const override {
+    SensorFrame frame = Drive::Frame(index);
+    if (frames_.count(index) > 0) frame.scan = std::make_shared<LidarScan>(scan_);
+    return frame;
+  }
+
+ private:
+  std::set<size_t> frames_;
+  LidarScan scan_;
+};
+
+// The frames before it are not lost: with and without the trial that decides the de-skewing.
+TEST(RunSlam, WhatEndsARunLeavesItsResults) {
+  class Torn : public Drive {
+   public:
+    explicit Torn(size_t first) : Drive(Frames(9)), first_(first) {}
+    SensorFrame Frame(size_t index) const override {
+      TVL_CHECK(index < first_) << "torn";
+      return Drive::Frame(index);
+    }
+
+   private:
+    size_t first_;
+  };
+  for (const int threads : {1, 2}) {
+    for (const bool given : {true, false}) {
+      RunOptions options = LidarOnly();
+      options.threads = threads;
+      if (given) options.deskew = Deskew::kNone;
+      const RunResult result = Play(Torn(6), options);
+      EXPECT_THROW(std::rethrow_exception(result.failure), Error);
+      EXPECT_TRUE(result.stopped);
+      EXPECT_EQ(result.frames.size(), 6u);
+      EXPECT_EQ(result.trajectory.size(), 6u);
+      EXPECT_EQ(result.loops.graph.T_world.size(), result.map.keyframes.size());
+      EXPECT_THROW(Play(Torn(0), options), Error);
+    }
+  }
+  EXPECT_EQ(Play(Drive(Frames(3)), LidarOnly()).failure, nullptr);
+}
+
+std::string ErrorOf(const Dataset& drive, const RunOptions& options, size_t* seen) {
+  DatasetSource source(drive);
+  try {
+    RunSlam(source, options, [seen](const FrameResult&) { return ++*seen > 0; });
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RunSlam, RefusesAnInputWithoutAnyScanAndSaysWhatIsWrongWithTheFirst) {
+  LidarScan odd;
+  odd.points.assign(100, Eigen::Vector3f(5.0f, 1.0f, 0.0f));
+  odd.ring.assign(100, 77);
+  RunOptions options = LidarOnly();
+  size_t seen = 0;
+  for (const bool given : {true, false}) {
+    if (given) options.deskew = Deskew::kNone;
+    if (!given) options.deskew.reset();
+    const std::string error = ErrorOf(DriveWith(Frames(9), {0, 4}, odd), options, &seen);
+    EXPECT_NE(error.find("frame 0: scan: ring 77"), std::string::npos) << error;
+    EXPECT_NE(error.find("--frames 1:"), std::string::npos) << error;
+    EXPECT_EQ(seen, 0u) << "refused at once";
+  }
+  const std::string empty = ErrorOf(DriveWith(Frames(3), {0, 1, 2}, LidarScan()), options, &seen);
+  EXPECT_NE(empty.find("no frame of 3 has a usable scan: frame 0: its scan has no valid point"),
+            std::string::npos)
+      << empty;
+  EXPECT_EQ(ErrorOf(DriveWith(Frames(9), {4}, odd), options, &seen), "");
 }
 
 TEST(RunSlam, TheUserThenTheInputSayHowToDeskew) {

@@ -7,6 +7,7 @@
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/corrected_extrinsics.h"
+#include "tvl/slam/frame_check.h"
 
 namespace tvl {
 namespace {
@@ -88,23 +89,23 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
 FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& executor) {
   const Stopwatch total;
   FrameContext context;
-  const SensorFrame frame = WithoutRepetitions(input, &context);
+  const SensorFrame checked = WithoutOddData(input, setup_);
+  const SensorFrame frame = WithoutRepetitions(checked, &context);
   FrameResult result;
   result.id = frame.id;
   result.stamp = frame.stamp;
   result.faults = frame.faults;
-  if (frame.scan == nullptr && input.scan != nullptr && frame.image.empty()) {
+  if (frame.scan == nullptr && checked.scan != nullptr && frame.image.empty()) {
     return RepeatLastPose(std::move(result));
   }
 
   const MotionPrediction predicted = finder_.Predict(context.interval);
   PreprocessedFrame current =
       preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
-                            executor, &result.times);
+                            executor, &result.times, &result.faults);
   const FeatureTracks all_tracks = current.tracks;
   const VisualDepths all_depths = current.depths;
   result.tracks_moving = moving_tracks_.Remove(&current.tracks, &current.depths);
-
   const FoundPose found =
       finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);
   Describe(current, found, &result);
@@ -122,11 +123,8 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   }
   result.is_keyframe = IsDueKeyframe(current, result);
   if (result.is_keyframe) {
-    ImageFeatures image;  // for the visual search alone
-    if (options_.loops.enabled && options_.loops.use_visual) {
-      image = preprocessor_.Describe(frame, current, last_motion_);
-    }
-    AddKeyframe(result, {finder_.CloudForMap(current, found), std::move(image)}, executor);
+    AddKeyframe(result, {finder_.CloudForMap(current, found), DescribeImage(frame, current)},
+                executor);
   }
   result.times.map_update_ms = watch.LapMs();
 
@@ -134,9 +132,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   path_.push_back(
       {frame.id, frame.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
   if (IsMeasured(result.status)) known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
-  result.T_world_lidar = map_.keyframes.empty()
-                             ? result.T_odom_lidar
-                             : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  result.T_world_lidar = InWorld(result.T_odom_lidar);
   result.times.loops_ms = watch.LapMs();
 
   last_cloud_ = found.tracked.cloud;
@@ -191,13 +187,21 @@ SensorFrame SlamSystem::WithoutRepetitions(SensorFrame frame, FrameContext* cont
 FrameResult SlamSystem::RepeatLastPose(FrameResult result) {
   result.status = last_status_;
   result.T_odom_lidar = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
-  result.T_world_lidar = map_.keyframes.empty()
-                             ? result.T_odom_lidar
-                             : ToWorld(map_.keyframes.back(), result.T_odom_lidar);
+  result.T_world_lidar = InWorld(result.T_odom_lidar);
   path_.push_back(
       {result.id, result.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
   if (IsMeasured(last_status_)) known_.path = path_.size() - 1;
   return result;
+}
+
+Rigid3d SlamSystem::InWorld(const Rigid3d& T_odom_lidar) const {
+  return map_.keyframes.empty() ? T_odom_lidar : ToWorld(map_.keyframes.back(), T_odom_lidar);
+}
+
+ImageFeatures SlamSystem::DescribeImage(const SensorFrame& frame,
+                                        const PreprocessedFrame& preprocessed) const {
+  if (!options_.loops.enabled || !options_.loops.use_visual) return {};
+  return preprocessor_.Describe(frame, preprocessed, last_motion_);
 }
 
 void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
@@ -276,6 +280,7 @@ bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult
 void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   local_map_ = LocalMap(options_.mapping.local_map);
   AddKeyframe(result, {last_cloud_, {}}, executor);
+  if (loop_closer_ != nullptr) CloseLoops(executor);
   finder_.Restart();
   moving_tracks_.Forget();
   lost_scans_ = 0;
@@ -316,8 +321,14 @@ void SlamSystem::CloseLoops(const Executor& executor) {
   try {
     Connect(ApplyNext(), executor);        // after a fault: lets go of earlier passes
   } catch (const std::exception& error) {  // an earlier pass cannot be read back
-    loop_fault_ = error.what();
+    EndLoopSearch(error);
   }
+}
+
+void SlamSystem::EndLoopSearch(const std::exception& error) {
+  if (!loop_fault_.empty()) return;
+  loop_fault_ = error.what();
+  loop_search_broke_ = dynamic_cast<const InputError*>(&error) == nullptr;
 }
 
 std::vector<int> SlamSystem::ApplyNext() {
@@ -328,7 +339,7 @@ std::vector<int> SlamSystem::ApplyNext() {
     Apply(update);
     return update.connected;
   } catch (const std::exception& error) {
-    if (loop_fault_.empty()) loop_fault_ = error.what();
+    EndLoopSearch(error);
     return {};
   }
 }
@@ -363,15 +374,15 @@ const LoopReport& SlamSystem::loops() const {
   return loop_closer_ == nullptr ? none : loop_closer_->report();
 }
 
-void SlamSystem::Finish(SecondLook second_look) {
+void SlamSystem::Finish(const GoOn& go_on) {
   if (loop_closer_ == nullptr) return;
   while (loop_thread_.pending() > 0) ApplyNext();
-  for (const auto step : {&LoopCloser::LookAgain, &LoopCloser::Polish}) {
-    if (step == &LoopCloser::LookAgain && second_look == SecondLook::kNo) continue;
-    if (!loop_fault_.empty()) return;
-    loop_thread_.Give([closer = loop_closer_, step] { return ((*closer).*step)(); });
-    ApplyNext();
-  }
+  if (!loop_fault_.empty()) return;
+  loop_thread_.Give([closer = loop_closer_, go_on] { return closer->LookAgain(go_on); });
+  ApplyNext();
+  if (!loop_fault_.empty()) return;
+  loop_thread_.Give([closer = loop_closer_] { return closer->Polish(); });
+  ApplyNext();
 }
 
 }  // namespace tvl

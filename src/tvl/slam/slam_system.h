@@ -2,6 +2,8 @@
 // as the block diagram of the paper's Fig. 1.
 #pragma once
 
+#include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,8 +26,9 @@
 
 namespace tvl {
 
-// At all keyframes without a loop, at the end of the data.
-enum class SecondLook { kYes, kNo };
+// Asked during the second look at all keyframes without a loop, at the end of the data: false ends
+// it. From any thread.
+using GoOn = std::function<bool()>;
 
 struct FrameResult {
   FrameId id = 0;
@@ -62,15 +65,19 @@ class SlamSystem {
   SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOptions& options,
              bool in_background = false);
 
-  // Frames in order of time. Never throws for what is wrong with a frame's data.
+  // Frames in order of time. Never throws for what is wrong with a frame's data: what no stage can
+  // work with is left out and is a fault of the frame.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor);
 
-  // After the last frame: waits for the loop search, which looks once more at all keyframes unless
-  // told not to (it can take half a minute), and applies everything found.
-  void Finish(SecondLook second_look = SecondLook::kYes);
+  // After the last frame: waits for the loop search, which looks once more at all keyframes (it can
+  // take half a minute; none at all if `go_on` says no from the start), and applies everything
+  // found.
+  void Finish(const GoOn& go_on = [] { return true; });
 
   // Why the loop search ended before its time; empty: it did not. Poses are those known until then.
   const std::string& loop_fault() const { return loop_fault_; }
+  // It ended because the program is wrong, not because a file could not be read.
+  bool loop_search_broke() const { return loop_search_broke_; }
   // After Finish(): every proposal, what it was judged on, and the graph. Empty without loops.
   const LoopReport& loops() const;
 
@@ -96,6 +103,11 @@ class SlamSystem {
   // added to it.
   SensorFrame WithoutRepetitions(SensorFrame frame, FrameContext* context);
   FrameResult RepeatLastPose(FrameResult result);
+  // By the newest keyframe.
+  Rigid3d InWorld(const Rigid3d& T_odom_lidar) const;
+  // For the visual search alone: empty without it.
+  ImageFeatures DescribeImage(const SensorFrame& frame,
+                              const PreprocessedFrame& preprocessed) const;
   // What a frame's result says of its data and of the pose found.
   void Describe(const PreprocessedFrame& frame, const FoundPose& found, FrameResult* result) const;
   void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
@@ -111,6 +123,8 @@ class SlamSystem {
   // Hands the newest keyframe to the loop search and applies what is due.
   void CloseLoops(const Executor& executor);
   void Apply(const LoopUpdate& update);
+  // The loop search has thrown: only its first fault counts.
+  void EndLoopSearch(const std::exception& error);
   // Applies the oldest result that is waiting; what the loop search found wrong ends it.
   std::vector<int> ApplyNext();
   // Fetches keyframes of earlier passes into the local map.
@@ -145,6 +159,7 @@ class SlamSystem {
   std::shared_ptr<LoopCloser> loop_closer_;  // shared with the work in the thread
   LoopThread loop_thread_;
   std::string loop_fault_;
+  bool loop_search_broke_ = false;
 };
 
 }  // namespace tvl

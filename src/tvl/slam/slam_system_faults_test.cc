@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 #include "tvl/slam/slam_system.h"
 #include "tvl/slam/test_drive.h"
@@ -174,11 +175,139 @@ TEST(Faults, AVehicleThatWasCarriedAwayIsLostAndFoundAgain) {
   EXPECT_LE(found - (played.frames.begin() + 29), 10);
 }
 
+// Scans no reader would hand on, and some that one might: none of them throws, each is a fault of
+// its frame, and the drive goes on.
+struct OddScan {
+  const char* name;
+  FrameFault::Kind fault;
+  std::function<void(LidarScan*)> spoil;
+};
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+// Column after column, as the sensor fires.
+void StoreByColumn(LidarScan* scan) {
+  std::stable_sort(scan->points.begin(), scan->points.end(), [](const auto& a, const auto& b) {
+    return std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
+  });
+}
+
+void Shuffle(LidarScan* scan) {
+  Rng rng(3);
+  for (size_t i = 1; i < scan->size(); ++i) {
+    std::swap(scan->points[i],
+              scan->points[static_cast<size_t>(rng.Uniform(0.0, static_cast<double>(i)))]);
+  }
+}
+
+std::vector<OddScan> OddScans() {
+  using Kind = FrameFault::Kind;
+  return {
+      {"stored by column", Kind::kOddScan, StoreByColumn},
+      {"shuffled", Kind::kOddScan, Shuffle},
+      {"rings beyond the lidar's", Kind::kOddScan,
+       [](LidarScan* scan) { scan->ring.assign(scan->size(), 200); }},
+      {"too few rings", Kind::kOddScan, [](LidarScan* scan) { scan->ring.assign(5, 1); }},
+      {"too many times", Kind::kOddScan,
+       [](LidarScan* scan) { scan->time_offset_s.assign(scan->size() + 1, 0.0f); }},
+      {"no intensity for most", Kind::kOddScan, [](LidarScan* scan) { scan->intensity.resize(7); }},
+      {"times since 1970", Kind::kEmptyScan,
+       [](LidarScan* scan) { scan->time_offset_s.assign(scan->size(), 1.3e9f); }},
+      {"without points", Kind::kEmptyScan, [](LidarScan* scan) { *scan = LidarScan(); }},
+      {"all not a number", Kind::kEmptyScan,
+       [](LidarScan* scan) {
+         for (Eigen::Vector3f& p : scan->points) p.setConstant(kNan);
+       }},
+      {"some not a number", Kind::kInvalidPoints,
+       [](LidarScan* scan) {
+         for (size_t i = 0; i < scan->size(); i += 3) scan->points[i].y() = kNan;
+       }},
+      {"absurdly far", Kind::kInvalidPoints,
+       [](LidarScan* scan) {
+         for (size_t i = 0; i < scan->size(); i += 3) scan->points[i].setConstant(1e30f);
+       }},
+  };
+}
+
+TEST(Faults, AnOddScanIsAFaultOfItsFrameAndNothingElse) {
+  const Drive drive(Straight(30, 9.0));
+  const std::vector<OddScan> odd = OddScans();
+  const Executor executor(2);
+  SlamSystem system(drive.setup(), Deskew::kNone, LidarOnly());
+  Played played{AsDriven(30), {}, {}};
+  for (size_t i = 0; i < drive.size(); ++i) {
+    SensorFrame frame = drive.Frame(i);
+    const size_t k = (i - 6) / 2;
+    const bool is_odd = i >= 6 && i % 2 == 0 && k < odd.size();
+    auto scan = std::make_shared<LidarScan>(*frame.scan);
+    if (is_odd) odd[k].spoil(scan.get());
+    frame.scan = scan;
+    played.frames.push_back(system.ProcessFrame(frame, executor));
+    const FrameResult& result = played.frames.back();
+    EXPECT_EQ(result.faults.empty(), !is_odd) << i;
+    if (!is_odd) continue;
+    EXPECT_TRUE(HasFault(result, odd[k].fault)) << odd[k].name;
+    EXPECT_NE(result.faults[0].message.find("frame " + std::to_string(i) + ": "),
+              std::string::npos);
+    const bool is_lost = FaultOfScan(result.faults) != nullptr;
+    EXPECT_EQ(result.status == FrameStatus::kPredicted, is_lost) << odd[k].name;
+  }
+  system.Finish();
+  played.trajectory = system.trajectory();
+  ExpectRight(drive, played, 0.15);
+}
+
+// What is left of a scan may be next to nothing.
+TEST(Faults, AHandfulOfPointsThrowsNothing) {
+  const Drive drive(Straight(60, 9.0));
+  for (const int rows : {32, 0}) {
+    SensorSetup setup = drive.setup();
+    if (rows == 0) setup.lidar.beam_elevation_rad.clear();
+    SlamSystem system(setup, Deskew::kClockwise, LidarOnly());
+    Rng rng(5);
+    for (size_t i = 0; i < 60; ++i) {
+      SensorFrame frame = drive.Frame(i);
+      auto scan = std::make_shared<LidarScan>();
+      for (size_t n = 0; n < i % 20 && i > 5; ++n) {
+        const float reach_m = static_cast<float>(rng.Uniform(0.0, i % 3 == 0 ? 2.0 : 200.0));
+        scan->points.push_back(i % 4 == 0   ? Eigen::Vector3f(0.0f, 0.0f, reach_m)
+                               : i % 4 == 1 ? Eigen::Vector3f(reach_m, -0.01f, -1.0f)
+                                            : Eigen::Vector3f(Eigen::Vector3f::Random() * reach_m));
+        if (i % 5 == 0) scan->ring.push_back(static_cast<uint16_t>(n));
+      }
+      if (i > 5) frame.scan = scan;
+      EXPECT_NO_THROW(system.ProcessFrame(frame, Executor(1))) << i;
+    }
+    EXPECT_NO_THROW(system.Finish());
+  }
+}
+
+TEST(Faults, ImagesOfAnotherSizeOrKindAreLeftOut) {
+  DriveOptions options = Straight(12, 9.0);
+  options.camera = true;
+  const Drive drive(options);
+  SlamOptions slam = LidarOnly();
+  slam.use_camera = true;
+  SlamSystem system(drive.setup(), Deskew::kNone, slam);
+  for (size_t i = 0; i < drive.size(); ++i) {
+    SensorFrame frame = drive.Frame(i);
+    if (i == 6) frame.image = frame.image(cv::Rect(0, 0, 300, 100)).clone();
+    if (i == 8) frame.image.convertTo(frame.image, CV_32F);
+    const FrameResult result = system.ProcessFrame(frame, Executor(2));
+    EXPECT_EQ(HasFault(result, FrameFault::Kind::kWrongSizeImage), i == 6);
+    EXPECT_EQ(HasFault(result, FrameFault::Kind::kUnreadableImage), i == 8);
+    EXPECT_EQ(result.tracking == TrackingStatus::kNoImage, i == 6 || i == 8);
+    EXPECT_TRUE(IsMeasured(result.status)) << i;
+  }
+}
+
 // Nothing of this drive is anywhere near the last scans: the vehicle is lost, says so, and goes on.
 TEST(Faults, InAnotherPlaceThePoseIsLostAndTheMapBeginsAnew) {
   const Drive drive(Straight(24, 9.0));
   const Executor executor(2);
-  SlamSystem system(drive.setup(), Deskew::kNone, LidarOnly());
+  SlamOptions options = LidarOnly();
+  options.loops.enabled = true;
+  SlamSystem system(drive.setup(), Deskew::kNone, options);
   std::vector<FrameResult> frames;
   for (size_t i = 0; i < 46; ++i) {
     SensorFrame frame = drive.Frame(i % 24);
@@ -196,6 +325,9 @@ TEST(Faults, InAnotherPlaceThePoseIsLostAndTheMapBeginsAnew) {
   EXPECT_GT(frames[30].step_covariance(3, 3), frames[20].step_covariance(3, 3));
   EXPECT_TRUE(std::any_of(frames.begin(), frames.end(),
                           [](const FrameResult& f) { return f.map_begins_anew; }));
+  EXPECT_TRUE(frames.back().is_keyframe || frames[44].is_keyframe || frames[43].is_keyframe);
+  system.Finish();
+  EXPECT_EQ(system.loop_fault(), "") << "the first keyframe of the new map is a keyframe, too";
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // Loops as the whole system uses them: what is applied, when, and what it does to the map.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -273,6 +275,7 @@ TEST_P(SlamSystemWithoutStore, TheSearchEndsAndNothingElse) {
   run.system.Finish();
   EXPECT_NE(run.system.loop_fault().find("vector"), std::string::npos)
       << "not the first fault: " << run.system.loop_fault();
+  EXPECT_TRUE(run.system.loop_search_broke()) << "no InputError: nothing that is said of a file";
   EXPECT_EQ(run.system.local_map().connected(), 0U) << "of a graph that nobody keeps up";
   EXPECT_GE(Accepted(run.system.loops()), accepted) << "the report says what was closed";
   EXPECT_LT(WorstError_m(run.system.trajectory()), 0.1) << "what was closed stays";
@@ -281,6 +284,21 @@ TEST_P(SlamSystemWithoutStore, TheSearchEndsAndNothingElse) {
 INSTANTIATE_TEST_SUITE_P(Met, SlamSystemWithoutStore,
                          ::testing::Values(Breakdown{"by the frame", true, 115},
                                            Breakdown{"by the search", false, 123}));
+
+// A disk that fails is no defect of the program.
+TEST(SlamSystemLoops, AFileThatCannotBeReadBackIsNoDefect) {
+  SlamOptions options = OptionsOfReturn();
+  options.mapping.store.memory_mib = 0.0;
+  Playback run(options);
+  while (run.frames.size() < 115) run.Next();
+  const int nothing = open("/dev/null", O_RDWR);
+  dup2(nothing, std::stoi(std::filesystem::path(SpillFile()).filename().string()));
+  close(nothing);
+  while (run.Next()) ASSERT_LT(run.Error_m(), 0.1) << "frame " << run.last();
+  run.system.Finish();
+  EXPECT_NE(run.system.loop_fault().find("cannot be read back"), std::string::npos);
+  EXPECT_FALSE(run.system.loop_search_broke());
+}
 
 TEST(SlamSystemLoops, KeyframesCarryTheCovarianceOfAllFramesBetweenThem) {
   synthetic::DriveOptions drive_options;
