@@ -3,7 +3,8 @@
 A SILENT ERROR is a frame whose status is `tracked` or `degraded` and whose step T_{k-1,k} from the
 frame delivered before is off by more than 0.3 m or 3 deg. Where the frame before was not tracked
 itself, its pose was no claim, and the frame is judged by the motion since the last frame that was,
-or by its absolute pose, whichever is nearer to the reference.
+or by its absolute pose, whichever is nearer to the reference. A frame with which the map begins anew
+(`map_begins_anew`) says that the way to it is not known: the frames after it are judged from there.
 """
 
 import dataclasses
@@ -52,10 +53,10 @@ def _error(reference, estimate):
     return poses.length_m(difference), poses.angle_deg(difference)
 
 
-def _step_error(reference, estimate, statuses, k):
-    """(m, deg) of frame k > 0, which claims to be tracked."""
+def _step_error(reference, estimate, is_origin, k):
+    """(m, deg) of frame k > 0, which claims to be tracked; is_origin: may a step begin at a frame?"""
     trusted = k - 1
-    while trusted > 0 and statuses[trusted] not in CLAIMS:
+    while trusted > 0 and not is_origin[trusted]:
         trusted -= 1
     motion = _error(poses.between(reference[trusted], reference[k]),
                     poses.between(estimate[trusted], estimate[k]))
@@ -70,7 +71,10 @@ def judge(reference, run, fault_frame=0):
     if len(reference) != len(run.poses):
         raise ValueError(f"{len(run.poses)} poses, {len(reference)} expected")
     claims = [k for k in range(1, len(run.poses)) if run.statuses[k] in CLAIMS]
-    errors = {k: _step_error(reference, run.poses, run.statuses, k) for k in claims}
+    begins_anew = [frame.get("map_begins_anew", False) for frame in run.report.get("frames", [])]
+    is_origin = [status in CLAIMS or any(begins_anew[k:k + 1])
+                 for k, status in enumerate(run.statuses)]
+    errors = {k: _step_error(reference, run.poses, is_origin, k) for k in claims}
     wrong = [k for k in claims if errors[k][0] > LIMIT_M or errors[k][1] > LIMIT_DEG]
     away_m = [poses.distance_m(reference[k], run.poses[k]) for k in claims]
     found = [k for k in claims if k >= fault_frame and k not in wrong]

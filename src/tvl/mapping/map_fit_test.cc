@@ -84,6 +84,40 @@ TEST(MapFit, EqualPosesAreNoBetter) {
   EXPECT_EQ(Compare(fit, fit).better, 0.0);
 }
 
+TEST(FitOfKnownThings, LeavesOutClustersThatLieOffTheMapAsAWhole) {
+  MapFit fit;
+  const auto add = [&](int32_t label, float cost, int count) {
+    fit.cost.insert(fit.cost.end(), static_cast<size_t>(count), cost);
+    fit.weight.insert(fit.weight.end(), static_cast<size_t>(count), 1.0f);
+    fit.label.insert(fit.label.end(), static_cast<size_t>(count), label);
+  };
+  add(5, 0.9f, 300);  // a lorry
+  add(6, 0.1f, 100);  // a facade
+  add(7, 0.9f, 4);    // too few to be called a thing
+  add(kLabelOutlier, 0.9f, 20);
+  const KnownFit known = FitOfKnownThings(fit);
+  EXPECT_EQ(known.new_things, std::set<int32_t>({5}));
+  EXPECT_NEAR(known.judged, 124.0, 1e-6);
+  EXPECT_NEAR(known.mean, (0.1 * 100 + 0.9 * 24) / 124.0, 1e-5);
+}
+
+// Both hypotheses leave the lorry off the map: it does not count, whatever it adds to either.
+TEST(Compare, WhatNeitherExplainsSaysNothing) {
+  MapFit right, wrong;
+  for (int i = 0; i < 400; ++i) {
+    const bool is_lorry = i < 300;
+    right.cost.push_back(is_lorry ? 1.0f : 0.05f);
+    wrong.cost.push_back(is_lorry ? 0.7f : 0.6f);
+    for (MapFit* fit : {&right, &wrong}) {
+      fit->weight.push_back(1.0f);
+      fit->label.push_back(is_lorry ? 5 : kLabelOutlier);
+    }
+  }
+  const FitComparison comparison = Compare(right, wrong);
+  EXPECT_NEAR(comparison.better, 0.55, 1e-3);
+  EXPECT_NEAR(comparison.common, 100.0, 1e-6);
+}
+
 TEST(SampleForFit, TakesWhatStandsEvenlyFromTheWholeScan) {
   std::vector<LaserFeature> features(10000);
   for (size_t i = 0; i < features.size(); ++i) {

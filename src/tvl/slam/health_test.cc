@@ -49,6 +49,42 @@ TEST(HealthMonitor, SoMustAnyPoseAfterTheVehicleWasLost) {
   EXPECT_EQ(monitor.Judge(Pose(0.0, 0.15), Rigid3d(), true), Health::kBad);
 }
 
+// A lorry has come to stand beside the vehicle: most points lie off the map, the others as usual.
+TrackedPose BesideALorry(double x_m, double known_misfit, int known_points) {
+  TrackedPose tracked = Pose(x_m, 0.7);
+  tracked.known_fit = {static_cast<double>(known_points), known_misfit, {7}};
+  return tracked;
+}
+
+TEST(HealthMonitor, WhatCameDoesNotRefuteAPoseThatTheRestBearsOut) {
+  const HealthMonitor monitor = After(0.05);
+  EXPECT_EQ(monitor.Judge(BesideALorry(0.0, 0.06, 200), Rigid3d(), false), Health::kSuspicious);
+  EXPECT_EQ(monitor.Judge(BesideALorry(0.0, 0.3, 200), Rigid3d(), false), Health::kBad);
+  EXPECT_EQ(monitor.Judge(BesideALorry(0.0, 0.06, 20), Rigid3d(), false), Health::kBad)
+      << "too little is left to tell";
+  EXPECT_EQ(monitor.Judge(BesideALorry(2.0, 0.06, 200), Rigid3d(), false), Health::kBad)
+      << "a leap needs the whole scan";
+  EXPECT_EQ(monitor.Judge(BesideALorry(0.0, 0.06, 200), Rigid3d(), true), Health::kBad);
+}
+
+TEST(HealthMonitor, SoDoMostOfTheTracks) {
+  const HealthMonitor monitor = After(0.05);
+  TrackedPose tracked = BesideALorry(0.0, 0.5, 200);
+  tracked.odometry.evidence.visual_offered = 100;
+  tracked.odometry.evidence.visual = 80;
+  EXPECT_EQ(monitor.Judge(tracked, Rigid3d(), false), Health::kSuspicious);
+  tracked.odometry.evidence.visual = 40;
+  EXPECT_EQ(monitor.Judge(tracked, Rigid3d(), false), Health::kBad);
+}
+
+TEST(HealthMonitor, APoseThatIsBorneOutIsNotReplacedByOneThatIsNot) {
+  const HealthMonitor monitor = After(0.05);
+  TrackedPose follows_lorry = Pose(1.0, 0.3);
+  follows_lorry.known_fit = {300.0, 0.5, {}};
+  EXPECT_FALSE(monitor.IsBetter(follows_lorry, BesideALorry(0.0, 0.06, 200), 3.0));
+  EXPECT_TRUE(monitor.IsBetter(follows_lorry, BesideALorry(0.0, 0.4, 200), 3.0));
+}
+
 TEST(HealthMonitor, WhatWasNotMeasuredIsNoPose) {
   TrackedPose tracked = Pose(0.0, 0.05);
   tracked.is_measured = false;

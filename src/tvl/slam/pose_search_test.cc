@@ -92,6 +92,20 @@ TEST(AlternativeMotions, BeginWithTheMostProbableAndHoldStandingAndTheStamps) {
   }
 }
 
+TEST(IsReachable, FollowsTheMotionThroughLostScansAndNotBackOrSideways) {
+  MotionModel model{MotionModelOptions()};
+  const auto reaches = [&](double x_m, double y_m) {
+    return IsReachable(model, 0.1, Rigid3d::Translation(x_m, y_m, 0.0));
+  };
+  EXPECT_TRUE(reaches(30.0, -20.0)) << "no velocity is known";
+  model.Update(Rigid3d::Translation(2.5, 0.0, 0.0), Matrix6d::Zero(), 1);
+  for (const int lost : {0, 1, 5, 30}) EXPECT_TRUE(reaches(2.5 * (lost + 1), 0.0)) << lost;
+  EXPECT_TRUE(reaches(2.4, 0.1));
+  EXPECT_FALSE(reaches(-4.3, 3.2));
+  EXPECT_FALSE(reaches(0.0, 0.0)) << "from 25 m/s to nothing in a frame";
+  EXPECT_FALSE(reaches(4.5, -3.5));
+}
+
 TEST(PoseSearchOptions, NameTheBadField) {
   PoseSearchOptions options;
   options.radius_m = 0.0;
