@@ -11,6 +11,9 @@ namespace {
 // A tenth of the tracks: far more than chance takes from one of two equal hypotheses.
 constexpr double kClearlyLess = 0.1;
 
+// How many points lie on the map.
+double Explained(const KnownFit& fit) { return fit.judged * (1.0 - fit.mean); }
+
 }  // namespace
 
 void HealthOptions::Check() const {
@@ -77,8 +80,11 @@ double HealthMonitor::CameraShare(const TrackedPose& tracked) const {
 }
 
 bool HealthMonitor::LiesOnWhatIsKnown(const TrackedPose& tracked) const {
+  // Of the judged points: all else may be traffic. Of a wrong pose, too, some things lie on the
+  // map.
+  constexpr double kEnoughShare = 0.15;
   const KnownFit& known = tracked.known_fit;
-  return known.judged >= options_.min_judged &&
+  return known.judged >= std::max<double>(options_.min_judged, kEnoughShare * tracked.fit.judged) &&
          known.mean - usual_misfit() < options_.suspicious_rise;
 }
 
@@ -88,7 +94,8 @@ bool HealthMonitor::IsBetter(const TrackedPose& challenger, const TrackedPose& c
   if (!champion.is_measured) return true;
   // Where traffic hides most of what is known, or the known ends, any pose fits the rest better by
   // chance: what the known things, or the landmarks, bear out is not given up for it.
-  if (LiesOnWhatIsKnown(champion) && !LiesOnWhatIsKnown(challenger)) return false;
+  const bool explains_less = Explained(challenger.known_fit) < Explained(champion.known_fit);
+  if (LiesOnWhatIsKnown(champion) && !LiesOnWhatIsKnown(challenger) && explains_less) return false;
   if (CameraAgrees(champion) && CameraShare(challenger) < CameraShare(champion) - kClearlyLess) {
     return false;
   }

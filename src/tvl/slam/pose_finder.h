@@ -91,8 +91,11 @@ class PoseFinder {
   // How far the vehicle may be from its last known pose, m: at its last speed, and speeding up.
   double MayHaveTravelled_m() const;
 
+  // What a keyframe keeps of the frame. Where so much came that the pose was nearly not believed,
+  // what came is left out.
   KeyframeCloud CloudForMap(const PreprocessedFrame& frame, const FoundPose& found) const {
-    return tracker_.WithoutNewThings(frame, found.tracked);
+    const bool much_came = found.tracked.fit.mean - found.usual_misfit > options_.health.lost_rise;
+    return much_came ? tracker_.WithoutNewThings(frame, found.tracked) : found.tracked.cloud;
   }
 
   const PreprocessedFrame& last_frame() const { return last_; }
