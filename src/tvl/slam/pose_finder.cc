@@ -208,12 +208,7 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
                                 const LandmarkMap& landmarks, const Executor& executor,
                                 StageTimes* times) {
   std::vector<MotionPrediction> starts(2, Predict(context.interval));
-  starts[1].known = true;         // standing; the first lets the odometry search
-  if (before_restart_.known()) {  // as before it was lost: the most probable
-    starts.insert(starts.begin(),
-                  before_restart_.Predict(context.interval.periods, context.interval.period_s));
-  }
-  const size_t probable = starts.size();
+  starts[1].known = true;  // standing; the first lets the odometry search
   const KeyframeCloud here = tracker_.Compensate(frame, Rigid3d(), context.interval.period_s);
   const KeyframeCloud before = tracker_.Compensate(last_, Rigid3d(), context.interval.period_s);
   LocalMap map(options_.mapping.local_map);
@@ -222,7 +217,7 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
       AllPoints(here), map, T_odom_prev_, options_.search.start_radius_m * context.interval.periods,
       options_.search.yaw_window_rad, options_.search, executor);
   for (const Rigid3d& T_odom : BestLying(frame, here, map, aligned)) {
-    starts.push_back(starts[probable - 1]);
+    starts.push_back(starts[1]);
     starts.back().T_prev_cur = T_odom_prev_.Inverse() * T_odom;
   }
   if (!tracker_.is_compensated() && context.interval.periods > 1) {
@@ -240,7 +235,16 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
     if (i > 0 && !health_.IsBetter(tracked, best.tracked, kStartSigmas)) continue;
     best.tracked = std::move(tracked);
     best.previous_cloud = std::move(previous);
-    best.origin = i < probable ? PoseOrigin::kPrediction : PoseOrigin::kOtherMotion;
+    best.origin = i < 2 ? PoseOrigin::kPrediction : PoseOrigin::kOtherMotion;
+  }
+  if (before_restart_.known() && best.tracked.fit.judged < options_.health.min_judged) {
+    // Nothing tells the starts apart: the speed before the map began anew is the best guess.
+    KeyframeCloud previous;
+    best.tracked = FollowStart(
+        frame, before_restart_.Predict(context.interval.periods, context.interval.period_s),
+        landmarks, executor, times, &previous);
+    best.previous_cloud = std::move(previous);
+    best.origin = PoseOrigin::kPrediction;
   }
   tracker_.Advance(last_, *best.previous_cloud);
   best.hypotheses = static_cast<int>(starts.size());
