@@ -64,19 +64,6 @@ const MotionEstimate& FinalEstimate(const TrackedPose& tracked) {
   return has_map_step ? by_map : tracked.odometry;
 }
 
-// Whether two poses differ along a translation that the first does not measure, and hardly
-// otherwise: how they lie on the map says nothing then.
-bool DifferAlongWeak(const TrackedPose& a, const Rigid3d& T_odom_b) {
-  constexpr double kAcross = 0.2;  // share of the difference that may lie across
-  const Eigen::Vector3d difference_m = (a.T_odom_lidar.Inverse() * T_odom_b).t();
-  Eigen::Vector3d across_m = difference_m;
-  for (const WeakDirection& weak : FinalEstimate(a).weak) {
-    if (!weak.is_rotation && weak.say <= 0.0)
-      across_m -= weak.axis_lidar.dot(across_m) * weak.axis_lidar;
-  }
-  return across_m.norm() < kAcross * difference_m.norm();
-}
-
 // Whether the step's error along a direction that nothing but prediction holds may exceed what a
 // claim to be measured allows (a third of 0.3 m and 3 deg, one standard deviation).
 bool IsStepVague(const TrackedPose& tracked) {
@@ -136,8 +123,6 @@ struct PoseFinder::Search {
   Rigid3d T_odom_expected;
   // Whether the vehicle can have come to this pose.
   std::function<bool(const Rigid3d&)> is_reachable;
-  // The pose before is known, and the time since: what nothing measures is best predicted.
-  bool is_prediction_good;
   // By how much a hypothesis must lie better than a more probable one.
   double min_better_sigmas;
   FoundPose best;
@@ -156,7 +141,6 @@ struct PoseFinder::Search {
     if (!is_new || !is_reachable(tracked.T_odom_lidar)) return;
     const bool is_better = health.IsBetter(tracked, best.tracked, min_better_sigmas);
     if (!is_better) return;
-    if (is_prediction_good && DifferAlongWeak(best.tracked, tracked.T_odom_lidar)) return;
     best.tracked = std::move(tracked);
     best.origin = origin;
   }
@@ -367,7 +351,6 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
                 times,
                 T_odom_prev_ * predicted.T_prev_cur,
                 is_reachable,
-                was_measured_ && context.interval.verdict == StampVerdict::kRegular,
                 options_.health.min_better_sigmas,
                 {},
                 {}};
