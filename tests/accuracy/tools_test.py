@@ -87,6 +87,16 @@ class Judgement(unittest.TestCase):
         verdict = judge.judge(self.TRUTH, run_of(line, statuses), fault_frame=8)
         self.assertEqual(verdict.silent_frames, [12])
 
+    def test_where_the_map_begins_anew_a_step_may_begin(self):
+        line = moved(self.TRUTH, 8, 5.0)
+        statuses = ["first"] + 7 * ["tracked"] + 4 * ["lost"] + 8 * ["tracked"]
+        frames = [{"map_begins_anew": k == 11} for k in range(20)]
+        run = judge.Run(line, statuses, {"frames": frames})
+        self.assertEqual(judge.judge(self.TRUTH, run).silent_frames, [])
+        wrong = moved(line, 14, 1.0)  # a wrong step after it is silent all the same
+        run = judge.Run(wrong, statuses, {"frames": frames})
+        self.assertEqual(judge.judge(self.TRUTH, run).silent_frames, [14])
+
     def test_found_by_the_absolute_pose_after_drift(self):
         # Frame 7 was already wrong, and said to be tracked: one error, not two.
         line = moved(self.TRUTH, 7, 1.0)

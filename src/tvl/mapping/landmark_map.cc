@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tvl/base/check.h"
+#include "tvl/mapping/track_point.h"
 
 namespace tvl {
 
@@ -50,16 +51,9 @@ std::vector<ReprojectionMatch> LandmarkMap::Match(const FeatureTracks& tracks,
 
 LandmarkMap::Landmark LandmarkMap::Anchor(const FeatureTrack& track, const VisualDepth& depth,
                                           const Rigid3d& T_world_lidar) const {
-  const Rigid3d T_world_cam = T_world_lidar * calibration_.T_cam_lidar.Inverse();
-  const Eigen::Vector3d ray = track.ray_cam.homogeneous();
-  const double across_m = depth.depth_m * options_.sigma_px / calibration_.camera.fx_px;
-  const Eigen::Matrix3d covariance_cam = across_m * across_m * Eigen::Matrix3d::Identity() +
-                                         depth.sigma_m * depth.sigma_m * ray * ray.transpose();
-  Landmark landmark;
-  landmark.p_world = T_world_cam * (depth.depth_m * ray);
-  landmark.covariance_m2 = T_world_cam.R() * covariance_cam * T_world_cam.R().transpose();
-  landmark.depth_sigma_m = depth.sigma_m;
-  return landmark;
+  const TrackPoint point = LocateTrack(track, depth, options_.sigma_px / calibration_.camera.fx_px,
+                                       T_world_lidar * calibration_.T_cam_lidar.Inverse());
+  return {point.p_world, point.covariance_m2, depth.sigma_m};
 }
 
 void LandmarkMap::Update(const FeatureTracks& tracks, const VisualDepths& depths,

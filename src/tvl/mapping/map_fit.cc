@@ -111,12 +111,12 @@ MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<Fi
   return fit;
 }
 
-KnownFit FitOfKnownThings(const MapFit& fit) {
+KnownFit FitWithoutNewClusters(const MapFit& fit) {
   KnownFit known;
   double sum = 0.0;
   for (const auto& [label, cluster] : SumByCluster(fit)) {
     if (IsNewObject(label, cluster)) {
-      known.new_things.insert(label);
+      known.new_clusters.insert(label);
       continue;
     }
     known.judged += cluster.weight;

@@ -59,9 +59,9 @@ MapFit FitToMap(const std::vector<Eigen::Vector3f>& points, const std::vector<Fi
 struct KnownFit {
   double judged = 0.0;  // as MapFit
   double mean = 1.0;
-  std::set<int32_t> new_things;  // labels of the clusters left out
+  std::set<int32_t> new_clusters;  // labels of the clusters left out
 };
-KnownFit FitOfKnownThings(const MapFit& fit);
+KnownFit FitWithoutNewClusters(const MapFit& fit);
 
 // By how much `a` lies better than `b`, from the points judged in both: the mean difference of
 // their costs (positive: a is better) and its standard error. Clusters that lie off the map as a

@@ -84,7 +84,7 @@ TEST(MapFit, EqualPosesAreNoBetter) {
   EXPECT_EQ(Compare(fit, fit).better, 0.0);
 }
 
-TEST(FitOfKnownThings, LeavesOutClustersThatLieOffTheMapAsAWhole) {
+TEST(FitWithoutNewClusters, LeavesOutClustersThatLieOffTheMapAsAWhole) {
   MapFit fit;
   const auto add = [&](int32_t label, float cost, int count) {
     fit.cost.insert(fit.cost.end(), static_cast<size_t>(count), cost);
@@ -95,8 +95,8 @@ TEST(FitOfKnownThings, LeavesOutClustersThatLieOffTheMapAsAWhole) {
   add(6, 0.1f, 100);  // a facade
   add(7, 0.9f, 4);    // too few to be called a thing
   add(kLabelOutlier, 0.9f, 20);
-  const KnownFit known = FitOfKnownThings(fit);
-  EXPECT_EQ(known.new_things, std::set<int32_t>({5}));
+  const KnownFit known = FitWithoutNewClusters(fit);
+  EXPECT_EQ(known.new_clusters, std::set<int32_t>({5}));
   EXPECT_NEAR(known.judged, 124.0, 1e-6);
   EXPECT_NEAR(known.mean, (0.1 * 100 + 0.9 * 24) / 124.0, 1e-5);
 }

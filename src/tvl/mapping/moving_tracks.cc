@@ -1,8 +1,10 @@
 #include "tvl/mapping/moving_tracks.h"
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "tvl/base/check.h"
+#include "tvl/mapping/track_point.h"
 
 namespace tvl {
 
@@ -80,17 +82,11 @@ int MovingTracks::Remove(FeatureTracks* tracks, VisualDepths* depths) {
 
 MovingTracks::Place MovingTracks::Locate(const FeatureTrack& track, const VisualDepth& depth,
                                          const Rigid3d& T_world_lidar) const {
-  const Rigid3d T_world_cam = T_world_lidar * calibration_.T_cam_lidar.Inverse();
-  const Eigen::Vector3d ray = track.ray_cam.homogeneous();
-  const double across_m =
-      depth.depth_m * std::hypot(options_.sigma_px / calibration_.camera.fx_px, options_.drift_rad);
-  const Eigen::Matrix3d covariance_cam = across_m * across_m * Eigen::Matrix3d::Identity() +
-                                         depth.sigma_m * depth.sigma_m * ray * ray.transpose();
-  Place place;
-  place.p_world = T_world_cam * (depth.depth_m * ray);
-  place.covariance_m2 = T_world_cam.R() * covariance_cam * T_world_cam.R().transpose();
-  place.path_m = path_m_;
-  return place;
+  const double sigma_rad =
+      std::hypot(options_.sigma_px / calibration_.camera.fx_px, options_.drift_rad);
+  const TrackPoint point =
+      LocateTrack(track, depth, sigma_rad, T_world_lidar * calibration_.T_cam_lidar.Inverse());
+  return {point.p_world, point.covariance_m2, path_m_};
 }
 
 void MovingTracks::Judge(const Place& now, Place* place) const {

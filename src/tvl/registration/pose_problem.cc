@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "tvl/factors/pose_prior.h"
 
@@ -25,20 +24,17 @@ PriorTerm PriorTerm::Of(const Rigid3d& T, const Matrix6d& covariance, double sha
   return {T, share * covariance.ldlt().solve(Matrix6d::Identity()), share};
 }
 
-PriorTerm WholeAlongWeak(const PriorTerm& prior, const LaserShift& shift, const Vector6d& say) {
+PriorTerm WholeAlongWeak(const PriorTerm& prior, const std::vector<WeakDirection>& weak) {
   PriorTerm whole = prior;
-  if (prior.share <= 0.0 || prior.share >= 1.0 || !shift.any()) return whole;
+  if (prior.share <= 0.0 || prior.share >= 1.0 || weak.empty()) return whole;
   const Matrix6d covariance = (prior.information / prior.share).ldlt().solve(Matrix6d::Identity());
-  std::vector<int> weak;
-  for (int i = 0; i < 6; ++i) {
-    if (shift.is_free[i] != 0.0) weak.push_back(i);
-  }
   const auto count = static_cast<Eigen::Index>(weak.size());
-  Eigen::MatrixXd axes(6, count), without_say = Eigen::MatrixXd::Zero(count, count);
+  Eigen::MatrixXd axes = Eigen::MatrixXd::Zero(6, count);
+  Eigen::MatrixXd without_say = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const int i = weak[static_cast<size_t>(k)];
-    axes.col(k) = shift.axes.col(i);
-    without_say(k, k) = std::sqrt(1.0 - say[i]);
+    const WeakDirection& direction = weak[static_cast<size_t>(k)];
+    axes.block<3, 1>(direction.is_rotation ? 0 : 3, k) = direction.axis_lidar;
+    without_say(k, k) = std::sqrt(1.0 - direction.say);
   }
   // What the prior says of the weak directions, everything else marginalised out.
   const Eigen::MatrixXd marginal = (axes.transpose() * covariance * axes).inverse();
@@ -67,7 +63,7 @@ void PoseProblem::SetMatches(LaserMatches laser, VisualMatches visual, const Rig
   T_matched_ = T;
   laser_matched_ = Linearize(laser_, T, setup_.bins, setup_.kernel_sigmas, executor_);
   weakness_ = AnalyseWeakness(laser_matched_, Visual(T).normal, setup_.weakness);
-  prior_ = WholeAlongWeak(setup_.prior, weakness_.shift, weakness_.say);
+  prior_ = WholeAlongWeak(setup_.prior, weakness_.directions);
   if (visual_.size() > 0) visual_ = Gated(T);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "tvl/base/parallel.h"
 #include "tvl/frame/motion_estimate.h"
@@ -26,7 +27,7 @@ struct PriorTerm {
 
 // The prior with its whole information along the laser's weak directions: where the prior counts
 // for less because laser and camera are in it already, there is no laser to count twice.
-PriorTerm WholeAlongWeak(const PriorTerm& prior, const LaserShift& shift, const Vector6d& say);
+PriorTerm WholeAlongWeak(const PriorTerm& prior, const std::vector<WeakDirection>& weak);
 
 // Equations of 0.5 r' information r with r = Log(prior.T^-1 T).
 NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T);

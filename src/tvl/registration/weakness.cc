@@ -92,7 +92,6 @@ Weakness AnalyseWeakness(const LaserSum& laser, const NormalEquations& visual,
   weakness.rotation_ratio = JudgeBlock(0, laser.normal.H, visual.H, sin_sq * laser.plane_lever_m2,
                                        {options.weak_rotation, options.held_rotation}, &judgement);
   weakness.shift = MakeLaserShift(judgement.axes, judgement.lambda, judgement.say);
-  weakness.say = judgement.say;
   weakness.directions = std::move(judgement.directions);
   return weakness;
 }

@@ -44,7 +44,6 @@ struct LaserShift {
 struct Weakness {
   std::vector<WeakDirection> directions;  // weaker than `held`
   LaserShift shift;                       // the same, for the solver
-  Vector6d say = Vector6d::Ones();        // of the laser along each of the shift's axes, 0..1
   // Relative strengths of the lidar's weakest translation and rotation, 0..1: for histograms.
   double translation_ratio = 1.0, rotation_ratio = 1.0;
 };

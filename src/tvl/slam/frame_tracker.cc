@@ -53,9 +53,9 @@ KeyframeCloud FrameTracker::Compensate(const PreprocessedFrame& frame, const Rig
           CompensateFeatures(frame.features.less_flat, T_prev_cur, duration_s, deskew_)};
 }
 
-KeyframeCloud FrameTracker::WithoutNewThings(const PreprocessedFrame& frame,
-                                             const TrackedPose& tracked) const {
-  const std::set<int32_t>& labels = tracked.known_fit.new_things;
+KeyframeCloud FrameTracker::WithoutNewClusters(const PreprocessedFrame& frame,
+                                               const TrackedPose& tracked) const {
+  const std::set<int32_t>& labels = tracked.known_fit.new_clusters;
   if (labels.empty()) return tracked.cloud;
   return {WithoutLabels(tracked.cloud.edges, frame.features.less_sharp, labels),
           WithoutLabels(tracked.cloud.planes, frame.features.less_flat, labels)};
@@ -102,7 +102,7 @@ TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypot
         SampleForFit(frame.features.less_flat, options_.mapping.fit);
     tracked.fit = FitToMap(tracked.cloud.planes.points, sample, reference.map, tracked.T_odom_lidar,
                            options_.mapping.fit);
-    tracked.known_fit = FitOfKnownThings(tracked.fit);
+    tracked.known_fit = FitWithoutNewClusters(tracked.fit);
   }
   times->map_step_ms += watch.LapMs();
   return tracked;

@@ -72,7 +72,8 @@ class FrameTracker {
                            double duration_s) const;
   // What a keyframe keeps of the tracked frame: not what stands where the map knows that nothing
   // stood, for it came there, and will leave.
-  KeyframeCloud WithoutNewThings(const PreprocessedFrame& frame, const TrackedPose& tracked) const;
+  KeyframeCloud WithoutNewClusters(const PreprocessedFrame& frame,
+                                   const TrackedPose& tracked) const;
   // Scans come compensated: nothing has to be done.
   bool is_compensated() const { return deskew_ == Deskew::kNone; }
 

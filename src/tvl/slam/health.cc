@@ -48,7 +48,7 @@ Health HealthMonitor::Judge(const TrackedPose& tracked, const Rigid3d& T_odom_ex
   if (tracked.fit.judged < options_.min_judged) return is_leap ? Health::kBad : Health::kGood;
   const double rise = tracked.fit.mean - usual_misfit();
   if (rise > options_.lost_rise) {
-    const bool goes_on = !is_leap && !was_lost && IsBorneOut(tracked);
+    const bool goes_on = !is_leap && !was_lost && IsConfirmed(tracked);
     return goes_on ? Health::kSuspicious : Health::kBad;
   }
   if (rise > options_.suspicious_rise) {
@@ -57,7 +57,7 @@ Health HealthMonitor::Judge(const TrackedPose& tracked, const Rigid3d& T_odom_ex
   return is_leap ? Health::kSuspicious : Health::kGood;
 }
 
-bool HealthMonitor::IsBorneOut(const TrackedPose& tracked) const {
+bool HealthMonitor::IsConfirmed(const TrackedPose& tracked) const {
   return LiesOnWhatIsKnown(tracked) || CameraAgrees(tracked);
 }
 
@@ -106,8 +106,8 @@ bool HealthMonitor::IsBetter(const TrackedPose& challenger, const TrackedPose& c
 
 void HealthMonitor::Learn(const TrackedPose& tracked) {
   if (tracked.fit.judged < options_.min_judged) return;
-  const bool has_new_things = tracked.fit.mean - usual_misfit() > options_.lost_rise;
-  misfits_.push_back(has_new_things ? tracked.known_fit.mean : tracked.fit.mean);
+  const bool has_new_clusters = tracked.fit.mean - usual_misfit() > options_.lost_rise;
+  misfits_.push_back(has_new_clusters ? tracked.known_fit.mean : tracked.fit.mean);
   if (misfits_.size() > static_cast<size_t>(options_.window_frames)) misfits_.pop_front();
 }
 

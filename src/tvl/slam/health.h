@@ -35,7 +35,7 @@ class HealthMonitor {
   double usual_misfit() const;
 
  private:
-  bool IsBorneOut(const TrackedPose& tracked) const;
+  bool IsConfirmed(const TrackedPose& tracked) const;
   // What is not new lies on the map as usual, and is enough to tell.
   bool LiesOnWhatIsKnown(const TrackedPose& tracked) const;
   bool CameraAgrees(const TrackedPose& tracked) const;

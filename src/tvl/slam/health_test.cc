@@ -77,7 +77,7 @@ TEST(HealthMonitor, SoDoMostOfTheTracks) {
   EXPECT_EQ(monitor.Judge(tracked, Rigid3d(), false), Health::kBad);
 }
 
-TEST(HealthMonitor, APoseThatIsBorneOutIsNotReplacedByOneThatIsNot) {
+TEST(HealthMonitor, APoseThatIsConfirmedIsNotReplacedByOneThatIsNot) {
   const HealthMonitor monitor = After(0.05);
   TrackedPose follows_lorry = Pose(1.0, 0.3);
   follows_lorry.known_fit = {300.0, 0.5, {}};

@@ -66,15 +66,15 @@ const MotionEstimate& FinalEstimate(const TrackedPose& tracked) {
 
 // Whether the step's error along a direction that nothing but prediction holds may exceed what a
 // claim to be measured allows (a third of 0.3 m and 3 deg, one standard deviation).
-bool IsStepVague(const TrackedPose& tracked) {
-  constexpr double kVague_m = 0.1, kVague_rad = 0.0175;
+bool IsStepUncertain(const TrackedPose& tracked) {
+  constexpr double kMost_m = 0.1, kMost_rad = 0.0175;
   const Matrix6d& covariance = tracked.step_covariance;
   const std::vector<WeakDirection>& weak = FinalEstimate(tracked).weak;
   return std::any_of(weak.begin(), weak.end(), [&](const WeakDirection& direction) {
     const int first = direction.is_rotation ? 0 : 3;
     const Eigen::Vector3d& axis = direction.axis_lidar;
     const double sigma = std::sqrt(axis.dot(covariance.block<3, 3>(first, first) * axis));
-    return sigma > (direction.is_rotation ? kVague_rad : kVague_m);
+    return sigma > (direction.is_rotation ? kMost_rad : kMost_m);
   });
 }
 
@@ -139,8 +139,7 @@ struct PoseFinder::Search {
     });
     ends.emplace_back(tracked.T_odom_lidar, tracked.fit);
     if (!is_new || !is_reachable(tracked.T_odom_lidar)) return;
-    const bool is_better = health.IsBetter(tracked, best.tracked, min_better_sigmas);
-    if (!is_better) return;
+    if (!health.IsBetter(tracked, best.tracked, min_better_sigmas)) return;
     best.tracked = std::move(tracked);
     best.origin = origin;
   }
@@ -235,7 +234,7 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
   if (tracker_.is_compensated()) best.previous_cloud.reset();
   best.status =
       StatusOf(frame, best.tracked, best.tracked.is_measured ? Health::kGood : Health::kBad);
-  best.is_vague = best.status == FrameStatus::kDegraded && IsStepVague(best.tracked);
+  best.is_uncertain = best.status == FrameStatus::kDegraded && IsStepUncertain(best.tracked);
   return best;
 }
 
@@ -375,7 +374,7 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   FoundPose found = std::move(search.best);
   found.usual_misfit = health_.usual_misfit();
   found.status = StatusOf(frame, found.tracked, health);
-  found.is_vague = found.status == FrameStatus::kDegraded && IsStepVague(found.tracked);
+  found.is_uncertain = found.status == FrameStatus::kDegraded && IsStepUncertain(found.tracked);
   if (!IsMeasured(found.status) && is_clear) {
     found.is_provisional = true;
   } else if (!IsMeasured(found.status)) {

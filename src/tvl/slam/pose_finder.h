@@ -57,7 +57,7 @@ struct FoundPose {
   bool is_provisional = false;
   // Measured, but along some direction the vehicle may have moved by more than a claim allows:
   // nothing but prediction has held it for too long.
-  bool is_vague = false;
+  bool is_uncertain = false;
   std::optional<Bridge> bridge;
   // The first motion of raw scans also compensates the scan before it: its features, anew.
   std::optional<KeyframeCloud> previous_cloud;
@@ -94,8 +94,9 @@ class PoseFinder {
   // What a keyframe keeps of the frame. Where so much came that the pose was nearly not believed,
   // what came is left out.
   KeyframeCloud CloudForMap(const PreprocessedFrame& frame, const FoundPose& found) const {
-    const bool much_came = found.tracked.fit.mean - found.usual_misfit > options_.health.lost_rise;
-    return much_came ? tracker_.WithoutNewThings(frame, found.tracked) : found.tracked.cloud;
+    const bool has_many_new =
+        found.tracked.fit.mean - found.usual_misfit > options_.health.lost_rise;
+    return has_many_new ? tracker_.WithoutNewClusters(frame, found.tracked) : found.tracked.cloud;
   }
 
   const PreprocessedFrame& last_frame() const { return last_; }

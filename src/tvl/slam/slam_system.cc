@@ -143,7 +143,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     Restart(result, executor);
     result.map_begins_anew = true;
   }
-  if (found.is_vague) result.status = FrameStatus::kPredicted;  // what was measured is kept
+  if (found.is_uncertain) result.status = FrameStatus::kPredicted;  // what was measured is kept
   result.times.total_ms = total.ElapsedMs();
   return result;
 }

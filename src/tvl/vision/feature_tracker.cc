@@ -52,8 +52,8 @@ cv::Point2f Map(const cv::Matx33d& H, const cv::Point2f& px) {
   return {static_cast<float>(p[0] / p[2]), static_cast<float>(p[1] / p[2])};
 }
 
-// Follows the points that warp from the previous image as it should look now, and takes over what
-// is found there: results of the others, and of those lost, are left as they are.
+// Follows the points that warp, from the previous image as it should look now: fills in what is
+// found there, and leaves the rest of `flow` as it is.
 void FollowWarped(const ImagePyramid& previous, const ImagePyramid& current, const cv::Matx33d& H,
                   const std::vector<cv::Point2f>& points_px,
                   const std::vector<const PixelPrediction*>& predicted,
@@ -77,6 +77,23 @@ void FollowWarped(const ImagePyramid& previous, const ImagePyramid& current, con
   for (size_t k = 0; k < index.size(); ++k) {
     if (found[k].status == FlowStatus::kTracked) (*flow)[index[k]] = found[k];
   }
+}
+
+// Follows the points that `flow` does not have yet.
+void FollowRest(const ImagePyramid& previous, const ImagePyramid& current,
+                const std::vector<cv::Point2f>& points_px, const std::vector<FlowSeed>& seeds,
+                const OpticalFlowOptions& options, std::vector<FlowPoint>* flow) {
+  std::vector<cv::Point2f> rest_px;
+  std::vector<FlowSeed> rest_seeds;
+  std::vector<size_t> index;
+  for (size_t i = 0; i < points_px.size(); ++i) {
+    if ((*flow)[i].status == FlowStatus::kTracked) continue;
+    rest_px.push_back(points_px[i]);
+    rest_seeds.push_back(seeds[i]);
+    index.push_back(i);
+  }
+  const std::vector<FlowPoint> found = TrackPoints(previous, current, rest_px, rest_seeds, options);
+  for (size_t k = 0; k < index.size(); ++k) (*flow)[index[k]] = found[k];
 }
 
 // Drops the tracks at odds with the epipolar geometry, in place of `result.tracks`.
@@ -144,12 +161,12 @@ FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& 
   std::vector<Eigen::Vector2d> rays_prev;
   const std::vector<const PixelPrediction*> expected = PredictionsOf(tracks_, predicted);
   const std::vector<cv::Point2f> from_px = Positions(tracks_);
-  std::vector<FlowPoint> flow =
-      TrackPoints(previous_, current, from_px, MakeSeeds(tracks_, expected), options_.flow);
+  std::vector<FlowPoint> flow(tracks_.size());
   if (predicted.H_cur_prev_ground) {
     FollowWarped(previous_, current, *predicted.H_cur_prev_ground, from_px, expected, options_.flow,
                  &flow);
   }
+  FollowRest(previous_, current, from_px, MakeSeeds(tracks_, expected), options_.flow, &flow);
   for (size_t i = 0; i < flow.size(); ++i) {
     result.lost_flow += flow[i].status == FlowStatus::kLost;
     result.lost_backward += flow[i].status == FlowStatus::kBackwardMismatch;
