@@ -3,7 +3,8 @@
 A SILENT ERROR is a frame whose status is `tracked` or `degraded` and whose step T_{k-1,k} from the
 frame delivered before is off by more than 0.3 m or 3 deg. Where the frame before was not tracked
 itself, its pose was no claim, and the frame is judged by the motion since the last frame that was,
-or by its absolute pose, whichever is nearer to the reference. A frame with which the map begins anew
+or by its absolute pose, whichever is nearer to the reference; after a frame that was `predicted`, which
+says that some direction is dead reckoning and drifts, by its step from there, too. A frame with which the map begins anew
 (`map_begins_anew`) says that the way to it is not known: the frames after it are judged from there.
 """
 
@@ -53,17 +54,20 @@ def _error(reference, estimate):
     return poses.length_m(difference), poses.angle_deg(difference)
 
 
-def _step_error(reference, estimate, is_origin, k):
+def _step_error(reference, estimate, is_origin, statuses, k):
     """(m, deg) of frame k > 0, which claims to be tracked; is_origin: may a step begin at a frame?"""
+    def since(j):
+        return _error(poses.between(reference[j], reference[k]),
+                      poses.between(estimate[j], estimate[k]))
     trusted = k - 1
     while trusted > 0 and not is_origin[trusted]:
         trusted -= 1
-    motion = _error(poses.between(reference[trusted], reference[k]),
-                    poses.between(estimate[trusted], estimate[k]))
-    if trusted == k - 1:
-        return motion
-    absolute = _error(reference[k], estimate[k])
-    return min(motion, absolute, key=lambda e: max(e[0] / LIMIT_M, e[1] / LIMIT_DEG))
+    errors = [since(trusted)]
+    if trusted != k - 1:
+        errors.append(_error(reference[k], estimate[k]))
+    if statuses[k - 1] == "predicted":
+        errors.append(since(k - 1))
+    return min(errors, key=lambda e: max(e[0] / LIMIT_M, e[1] / LIMIT_DEG))
 
 
 def judge(reference, run, fault_frame=0):
@@ -74,7 +78,7 @@ def judge(reference, run, fault_frame=0):
     begins_anew = [frame.get("map_begins_anew", False) for frame in run.report.get("frames", [])]
     is_origin = [status in CLAIMS or any(begins_anew[k:k + 1])
                  for k, status in enumerate(run.statuses)]
-    errors = {k: _step_error(reference, run.poses, is_origin, k) for k in claims}
+    errors = {k: _step_error(reference, run.poses, is_origin, run.statuses, k) for k in claims}
     wrong = [k for k in claims if errors[k][0] > LIMIT_M or errors[k][1] > LIMIT_DEG]
     away_m = [poses.distance_m(reference[k], run.poses[k]) for k in claims]
     found = [k for k in claims if k >= fault_frame and k not in wrong]

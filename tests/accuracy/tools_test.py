@@ -97,6 +97,16 @@ class Judgement(unittest.TestCase):
         run = judge.Run(wrong, statuses, {"frames": frames})
         self.assertEqual(judge.judge(self.TRUTH, run).silent_frames, [14])
 
+    def test_dead_reckoning_that_says_so_may_drift(self):
+        line = moved(self.TRUTH, 8, 0.5)  # half a metre, where nothing is claimed
+        for status, silent in (("predicted", []), ("lost", list(range(12, 13)))):
+            statuses = ["first"] + 7 * ["tracked"] + 4 * [status] + 8 * ["tracked"]
+            verdict = judge.judge(self.TRUTH, run_of(line, statuses))
+            self.assertEqual(verdict.silent_frames, silent, status)
+        wrong = moved(line, 12, 1.0)  # the step after it is wrong itself
+        statuses = ["first"] + 7 * ["tracked"] + 4 * ["predicted"] + 8 * ["tracked"]
+        self.assertEqual(judge.judge(self.TRUTH, run_of(wrong, statuses)).silent_frames, [12])
+
     def test_found_by_the_absolute_pose_after_drift(self):
         # Frame 7 was already wrong, and said to be tracked: one error, not two.
         line = moved(self.TRUTH, 7, 1.0)

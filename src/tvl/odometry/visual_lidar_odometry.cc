@@ -42,6 +42,7 @@ struct VisualLidarOdometry::Candidate {
 void OdometryOptions::Check() const {
   laser.Check();
   visual.Check();
+  road.Check();
   weakness.Check();
   covariance.Check();
   TVL_CHECK_INPUT(kernel_sigmas > 0.0) << "odometry.kernel_sigmas: must be positive";
@@ -66,6 +67,13 @@ void VisualLidarOdometry::Advance(const PreprocessedFrame& frame,
                                        RingCloud(std::move(planes), frame.features.less_flat));
   }
   previous_visual_ = {frame.tracks, frame.depths};
+}
+
+std::optional<RoadMotion> VisualLidarOdometry::MeasureRoad(const PreprocessedFrame& frame,
+                                                           const RoadGuess& guess) const {
+  if (!options_.use_camera) return std::nullopt;
+  return MeasureRoadMotion(previous_visual_, {frame.tracks, frame.depths}, calibration_, guess,
+                           options_.road);
 }
 
 void VisualLidarOdometry::Reset() {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "tvl/base/parallel.h"
 #include "tvl/frame/motion_estimate.h"
 #include "tvl/frame/preprocessed_frame.h"
 #include "tvl/odometry/laser_matcher.h"
+#include "tvl/odometry/road_motion.h"
 #include "tvl/odometry/visual_matcher.h"
 #include "tvl/registration/pose_problem.h"
 
@@ -16,6 +18,7 @@ namespace tvl {
 struct OdometryOptions {
   LaserMatchOptions laser;
   VisualMatchOptions visual;
+  RoadMotionOptions road;
   double kernel_sigmas = 2.0;                    // laser, Cauchy
   double visual_kernel_sigmas = 2.0;             // Huber
   double visual_gate_sigmas = 3.0;               // of visual matches against laser and prior
@@ -52,6 +55,11 @@ class VisualLidarOdometry {
   // the two; `bins` says whether scans are raw.
   MotionEstimate Estimate(const PreprocessedFrame& frame, const MotionGuess& guess,
                           const SweepBins& bins, double period_s, const Executor& executor);
+
+  // The motion over the road since the frame last given to Advance. Empty where the tracks on the
+  // road do not tell.
+  std::optional<RoadMotion> MeasureRoad(const PreprocessedFrame& frame,
+                                        const RoadGuess& guess) const;
 
   // Last step of Algorithm 1: the frame's features, compensated to its stamp, become the
   // reference. `planes` and `edges` are the compensated F_lf and F_ls, in the order of the frame's.

@@ -31,7 +31,8 @@ class Builder {
         sigma_(options.sigma_px / calibration.camera.fx_px),
         baseline_(T_prev_cur.t().norm() > options.min_baseline_m) {}
 
-  void AddForward(const FeatureTrack& before, const VisualDepth& depth, const FeatureTrack& now) {
+  void AddForward(const FeatureTrack& before, const VisualDepth& depth, const FeatureTrack& now,
+                  size_t source) {
     const Point point = Lift(before, depth);
     const Eigen::Vector3d p_now = T_camprev_cam_.Inverse() * point.p_cam;
     if (p_now.z() < kMinProjectionDepth_m) return;
@@ -39,7 +40,7 @@ class Builder {
         ProjectionJacobian(p_now) * T_camprev_cam_.R().transpose();
     matches_.forward.push_back({{T_lidar_cam_ * point.p_cam, now.ray_cam},
                                 RayInformation(sigma_, J, point.covariance_m2),
-                                0});
+                                source});
   }
   void AddInverse(const FeatureTrack& before, const FeatureTrack& now, const VisualDepth& depth) {
     const Point point = Lift(now, depth);
@@ -84,7 +85,7 @@ VisualMatches MatchVisual(const VisualFeatures& previous, const VisualFeatures& 
       continue;
     }
     if (HasDepth(previous.depths[i], options)) {
-      builder.AddForward(before[i], previous.depths[i], now[j]);
+      builder.AddForward(before[i], previous.depths[i], now[j], j);
     } else if (HasDepth(current.depths[j], options)) {
       builder.AddInverse(before[i], now[j], current.depths[j]);
     } else {

@@ -23,7 +23,7 @@ struct VisualFeatures {
 };
 
 // Depth at k: reproject into k+1; depth at k+1 only: the inverse; none: epipolar. Weights follow
-// from T_prev_cur, a guess.
+// from T_prev_cur, a guess. ReprojectionMatch::source is the index of the current track.
 VisualMatches MatchVisual(const VisualFeatures& previous, const VisualFeatures& current,
                           const Calibration& calibration, const Rigid3d& T_prev_cur,
                           const VisualMatchOptions& options);

@@ -1,5 +1,8 @@
 #include "tvl/slam/frame_tracker.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tvl/base/stopwatch.h"
 #include "tvl/lidar/deskew.h"
 
@@ -35,7 +38,37 @@ FeatureCloud WithoutLabels(const FeatureCloud& cloud, const std::vector<LaserFea
   return kept;
 }
 
+// Share of the strongest direction's information below which the camera does not hold a direction
+// that the lidar does not hold either.
+constexpr double kHeldByCamera = 0.0005;
+
+const MotionEstimate& FinalEstimate(const TrackedPose& tracked) {
+  const MotionEstimate& by_map = tracked.map_step.estimate;
+  const bool has_map_step =
+      by_map.status != EstimateStatus::kFirst && by_map.status != EstimateStatus::kPredicted;
+  return has_map_step ? by_map : tracked.odometry;
+}
+
 }  // namespace
+
+bool HoldsAllDirections(const TrackedPose& tracked) {
+  const MotionEstimate& estimate = FinalEstimate(tracked);
+  return std::all_of(estimate.weak.begin(), estimate.weak.end(), [](const WeakDirection& weak) {
+    return weak.camera_strength > kHeldByCamera;
+  });
+}
+
+bool IsStepUncertain(const TrackedPose& tracked) {
+  constexpr double kMost_m = 0.1, kMost_rad = 0.0175;
+  const Matrix6d& covariance = tracked.step_covariance;
+  const std::vector<WeakDirection>& weak = FinalEstimate(tracked).weak;
+  return std::any_of(weak.begin(), weak.end(), [&](const WeakDirection& direction) {
+    const int first = direction.is_rotation ? 0 : 3;
+    const Eigen::Vector3d& axis = direction.axis_lidar;
+    const double sigma = std::sqrt(axis.dot(covariance.block<3, 3>(first, first) * axis));
+    return sigma > (direction.is_rotation ? kMost_rad : kMost_m);
+  });
+}
 
 FrameTracker::FrameTracker(const SensorSetup& setup, Deskew deskew, const SlamOptions& options)
     : setup_(setup),
@@ -72,16 +105,21 @@ void FrameTracker::EstimateMotion(const PreprocessedFrame& frame, const PoseHypo
     tracked->odometry.covariance = hypothesis.covariance;
     tracked->T_odom_lidar = hypothesis.T_odom_lidar;
   } else {
-    const SweepBins bins = is_compensated() ? SweepBins::Compensated() : SweepBins::Raw();
-    tracked->odometry =
-        odometry_.Estimate(frame, {motion.T_prev_cur, motion.covariance, motion.known}, bins,
-                           motion.duration_s(), executor);
+    tracked->odometry = EstimateOdometry(frame, motion, executor);
     tracked->T_odom_lidar = reference.T_odom_prev * tracked->odometry.T_ref_body;
   }
   tracked->is_measured = tracked->odometry.status == EstimateStatus::kConverged ||
                          tracked->odometry.status == EstimateStatus::kNotConverged;
   tracked->step_covariance = tracked->odometry.covariance;
   tracked->cloud = Compensate(frame, tracked->odometry.T_ref_body, motion.duration_s());
+}
+
+MotionEstimate FrameTracker::EstimateOdometry(const PreprocessedFrame& frame,
+                                              const MotionPrediction& motion,
+                                              const Executor& executor) {
+  const SweepBins bins = is_compensated() ? SweepBins::Compensated() : SweepBins::Raw();
+  return odometry_.Estimate(frame, {motion.T_prev_cur, motion.covariance, motion.known}, bins,
+                            motion.duration_s(), executor);
 }
 
 TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,

@@ -55,6 +55,12 @@ struct TrackedPose {
   Rigid3d Motion(const Rigid3d& T_odom_prev) const { return T_odom_prev.Inverse() * T_odom_lidar; }
 };
 
+// Whether lidar or camera hold every direction of the pose.
+bool HoldsAllDirections(const TrackedPose& tracked);
+// Whether the step's error along a direction that nothing but prediction holds may exceed what a
+// claim to be measured allows (a third of 0.3 m and 3 deg, one standard deviation).
+bool IsStepUncertain(const TrackedPose& tracked);
+
 class FrameTracker {
  public:
   FrameTracker(const SensorSetup& setup, Deskew deskew, const SlamOptions& options);
@@ -63,6 +69,15 @@ class FrameTracker {
   TrackedPose Follow(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
                      const TrackingReference& reference, const Executor& executor,
                      StageTimes* times);
+
+  // See VisualLidarOdometry.
+  std::optional<RoadMotion> MeasureRoad(const PreprocessedFrame& frame,
+                                        const RoadGuess& guess) const {
+    return odometry_.MeasureRoad(frame, guess);
+  }
+  // By odometry alone; the frame's features are those of the whole scan.
+  MotionEstimate EstimateOdometry(const PreprocessedFrame& frame, const MotionPrediction& motion,
+                                  const Executor& executor);
 
   // The frame's features, compensated, become what the next frame's odometry is matched against.
   void Advance(const PreprocessedFrame& frame, const KeyframeCloud& cloud);

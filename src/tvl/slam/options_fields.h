@@ -58,6 +58,7 @@ void VisitFields(Visitor& visit, FeatureTrackerOptions& options) {
   TVL_FIELD(max_features);
   TVL_FIELD(refill_share);
   TVL_FIELD(min_kept_share);
+  TVL_FIELD(road_distance_px);
   TVL_FIELD(image);
   TVL_FIELD(flow);
   TVL_FIELD(epipolar);
@@ -163,6 +164,7 @@ void VisitFields(Visitor& visit, PreprocessingOptions& options) {
   TVL_FIELD(segmentation);
   TVL_FIELD(features);
   TVL_FIELD(depth);
+  TVL_FIELD(road_features);
   TVL_FIELD(calibrated_on_stored_points);
 }
 
@@ -198,9 +200,20 @@ void VisitFields(Visitor& visit, VisualMatchOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, RoadMotionOptions& options) {
+  TVL_FIELD(sigma_px);
+  TVL_FIELD(max_relative_sigma);
+  TVL_FIELD(gate_sigmas);
+  TVL_FIELD(min_tracks);
+  TVL_FIELD(min_share);
+  TVL_FIELD(max_sigma_m);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, OdometryOptions& options) {
   TVL_FIELD(laser);
   TVL_FIELD(visual);
+  TVL_FIELD(road);
   TVL_FIELD(kernel_sigmas);
   TVL_FIELD(visual_kernel_sigmas);
   TVL_FIELD(visual_gate_sigmas);
@@ -368,6 +381,18 @@ void VisitFields(Visitor& visit, HealthOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, TrafficOptions& options) {
+  TVL_FIELD(window_frames);
+  TVL_FIELD(min_slip_m);
+  TVL_FIELD(slip_share);
+  TVL_FIELD(max_step_m);
+  TVL_FIELD(corridor_m);
+  TVL_FIELD(min_start_tracks);
+  TVL_FIELD(min_start_share);
+  TVL_FIELD(release_m);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(preprocessing);
   TVL_FIELD(clock);
@@ -376,6 +401,7 @@ void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(mapping);
   TVL_FIELD(search);
   TVL_FIELD(health);
+  TVL_FIELD(traffic);
   TVL_FIELD(loops);
   TVL_FIELD(use_camera);
 }

@@ -1,5 +1,6 @@
 #include "tvl/slam/pose_finder.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,12 +8,6 @@
 namespace tvl {
 namespace {
 
-// Of the first motion of a raw recording: scan and motion improve each other in turn.
-constexpr int kMaxStartPasses = 10;
-constexpr double kStartPrecision_m = 0.002;
-// Any first motion is as likely as another. What the odometry finds by itself is still preferred
-// where the map, of a single scan, hardly tells: among moving cars it is the better judge.
-constexpr double kStartSigmas = 1.5;
 // Held forward for longer than this, a pose is lost rather than predicted: half a car's length.
 constexpr double kLostSigma_m = 2.0;
 // Covariance of a pose from a coarse alignment: a grid cell and a step of the yaw.
@@ -29,9 +24,12 @@ constexpr double kClearSigmas = 1.5;
 constexpr double kRivalShare = 0.75;
 // Two hypotheses that end this close are one.
 constexpr double kSame_m = 0.05, kSame_rad = 0.005;
-// Share of the strongest direction's information below which the camera does not hold a direction
-// that the lidar does not hold either.
-constexpr double kHeldByCamera = 0.0005;
+// Further from what is expected, a motion over the road is not that of the vehicle.
+constexpr double kExpectedSigmas = 4.0;
+// A pose so near to where it was expected needs no evidence where traffic hides the map.
+constexpr double kExpected_m = 0.1;
+// What the tracks on the road share, such as an error of the road's slope.
+constexpr double kRoadSigma_m = 0.005;
 
 Matrix6d AlignedCovariance() {
   Vector6d variance;
@@ -40,42 +38,9 @@ Matrix6d AlignedCovariance() {
   return variance.asDiagonal();
 }
 
-std::vector<Eigen::Vector3f> AllPoints(const KeyframeCloud& cloud) {
-  std::vector<Eigen::Vector3f> points = cloud.planes.points;
-  points.insert(points.end(), cloud.edges.points.begin(), cloud.edges.points.end());
-  return points;
-}
-
 bool IsSame(const Rigid3d& a, const Rigid3d& b) {
   const Rigid3d difference = a.Inverse() * b;
   return difference.t().norm() < kSame_m && difference.RotationAngle() < kSame_rad;
-}
-
-bool HoldsAllDirections(const MotionEstimate& estimate) {
-  return std::all_of(estimate.weak.begin(), estimate.weak.end(), [](const WeakDirection& weak) {
-    return weak.camera_strength > kHeldByCamera;
-  });
-}
-
-const MotionEstimate& FinalEstimate(const TrackedPose& tracked) {
-  const MotionEstimate& by_map = tracked.map_step.estimate;
-  const bool has_map_step =
-      by_map.status != EstimateStatus::kFirst && by_map.status != EstimateStatus::kPredicted;
-  return has_map_step ? by_map : tracked.odometry;
-}
-
-// Whether the step's error along a direction that nothing but prediction holds may exceed what a
-// claim to be measured allows (a third of 0.3 m and 3 deg, one standard deviation).
-bool IsStepUncertain(const TrackedPose& tracked) {
-  constexpr double kMost_m = 0.1, kMost_rad = 0.0175;
-  const Matrix6d& covariance = tracked.step_covariance;
-  const std::vector<WeakDirection>& weak = FinalEstimate(tracked).weak;
-  return std::any_of(weak.begin(), weak.end(), [&](const WeakDirection& direction) {
-    const int first = direction.is_rotation ? 0 : 3;
-    const Eigen::Vector3d& axis = direction.axis_lidar;
-    const double sigma = std::sqrt(axis.dot(covariance.block<3, 3>(first, first) * axis));
-    return sigma > (direction.is_rotation ? kMost_rad : kMost_m);
-  });
 }
 
 }  // namespace
@@ -151,91 +116,60 @@ PoseFinder::PoseFinder(const SensorSetup& setup, Deskew deskew, const SlamOption
       tracker_(setup, deskew, options),
       motion_(options.motion),
       before_restart_(options.motion),
-      health_(options.health) {}
+      health_(options.health),
+      traffic_(options.traffic) {}
 
-FoundPose PoseFinder::First(const PreprocessedFrame& frame, const FrameContext& context) const {
-  FoundPose found;
-  found.tracked.start = Predict(context.interval);
-  found.tracked.T_odom_lidar = T_odom_prev_;
-  found.tracked.cloud = tracker_.Compensate(frame, Rigid3d(), context.interval.period_s);
-  found.status = frames_ == 0 || frame.has_scan ? FrameStatus::kFirst : FrameStatus::kPredicted;
-  return found;
+int PoseFinder::RemoveTraffic(const FrameContext& context, PreprocessedFrame* frame,
+                              const Executor& executor) {
+  whole_.reset();
+  road_.reset();
+  if (!traffic_.carries_estimate() || !frame->has_scan) return 0;
+  const MotionPrediction predicted = Predict(context.interval);
+  whole_ = Whole{frame->features, frame->tracks, frame->depths,
+                 tracker_.EstimateOdometry(*frame, predicted, executor)};
+  road_ = MeasureRoad(*frame, predicted.T_prev_cur, predicted);
+  return traffic_.RemoveTraffic(road_, frame);
 }
 
-// The scan before was compensated without a known motion. The one found now does it better, which
-// makes it better itself: its error falls by half each time.
-TrackedPose PoseFinder::FollowStart(const PreprocessedFrame& frame, MotionPrediction start,
-                                    const LandmarkMap& landmarks, const Executor& executor,
-                                    StageTimes* times, KeyframeCloud* previous_cloud) {
-  TrackedPose tracked;
-  for (int pass = 0; pass < kMaxStartPasses; ++pass) {
-    *previous_cloud = tracker_.Compensate(last_, start.T_prev_cur, start.duration_s());
-    tracker_.Advance(last_, *previous_cloud);
-    LocalMap map(options_.mapping.local_map);
-    map.Add({0, 0.0, T_odom_prev_, std::make_shared<const KeyframeCloud>(*previous_cloud)},
-            executor);
-    const TrackingReference reference{T_odom_prev_, map, landmarks,
-                                      frames_ % options_.mapping.interval == 0};
-    tracked =
-        tracker_.Follow(frame, PoseHypothesis::Of(start, T_odom_prev_), reference, executor, times);
-    const Rigid3d T_prev_cur = tracked.Motion(T_odom_prev_);
-    const double change_m = (start.T_prev_cur.t() - T_prev_cur.t()).norm();
-    if (!tracked.is_measured || tracker_.is_compensated() || change_m < kStartPrecision_m) break;
-    start.T_prev_cur = T_prev_cur;
-    start.known = true;
-  }
-  return tracked;
+MotionPrediction PoseFinder::Expect(const FrameInterval& interval) const {
+  MotionPrediction expected = Predict(interval);
+  if (!road_) return expected;
+  expected.T_prev_cur = road_->T_prev_cur;
+  expected.covariance.block<2, 3>(3, 0).setZero();
+  expected.covariance.block<3, 2>(0, 3).setZero();
+  expected.covariance.block<2, 1>(3, 5).setZero();
+  expected.covariance.block<1, 2>(5, 3).setZero();
+  expected.covariance.block<2, 2>(3, 3) =
+      road_->covariance_m2 + kRoadSigma_m * kRoadSigma_m * Eigen::Matrix2d::Identity();
+  return expected;
 }
 
-FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameContext& context,
-                                const LandmarkMap& landmarks, const Executor& executor,
-                                StageTimes* times) {
-  std::vector<MotionPrediction> starts(2, Predict(context.interval));
-  starts[1].known = true;  // standing; the first lets the odometry search
-  const KeyframeCloud here = tracker_.Compensate(frame, Rigid3d(), context.interval.period_s);
-  const KeyframeCloud before = tracker_.Compensate(last_, Rigid3d(), context.interval.period_s);
-  LocalMap map(options_.mapping.local_map);
-  map.Add({0, 0.0, T_odom_prev_, std::make_shared<const KeyframeCloud>(before)}, executor);
-  const std::vector<Rigid3d> aligned = AlignWithoutGuess(
-      AllPoints(here), map, T_odom_prev_, options_.search.start_radius_m * context.interval.periods,
-      options_.search.yaw_window_rad, options_.search, executor);
-  for (const Rigid3d& T_odom : BestLying(frame, here, map, aligned)) {
-    starts.push_back(starts[1]);
-    starts.back().T_prev_cur = T_odom_prev_.Inverse() * T_odom;
-  }
-  if (!tracker_.is_compensated() && context.interval.periods > 1) {
-    // The stamps may be wrong about the time between the first frames, which bends raw scans.
-    const size_t stamped = starts.size();
-    for (size_t i = 0; i < stamped; ++i) {
-      starts.push_back(starts[i]);
-      starts.back().periods = 1;
-    }
-  }
-  FoundPose best;
-  for (size_t i = 0; i < starts.size(); ++i) {
-    KeyframeCloud previous;
-    TrackedPose tracked = FollowStart(frame, starts[i], landmarks, executor, times, &previous);
-    if (i > 0 && !health_.IsBetter(tracked, best.tracked, kStartSigmas)) continue;
-    best.tracked = std::move(tracked);
-    best.previous_cloud = std::move(previous);
-    best.origin = i < 2 ? PoseOrigin::kPrediction : PoseOrigin::kOtherMotion;
-  }
-  if (before_restart_.known() && best.tracked.fit.judged < options_.health.min_judged) {
-    // Nothing tells the starts apart: the speed before the map began anew is the best guess.
-    KeyframeCloud previous;
-    best.tracked = FollowStart(
-        frame, before_restart_.Predict(context.interval.periods, context.interval.period_s),
-        landmarks, executor, times, &previous);
-    best.previous_cloud = std::move(previous);
-    best.origin = PoseOrigin::kPrediction;
-  }
-  tracker_.Advance(last_, *best.previous_cloud);
-  best.hypotheses = static_cast<int>(starts.size());
-  if (tracker_.is_compensated()) best.previous_cloud.reset();
-  best.status =
-      StatusOf(frame, best.tracked, best.tracked.is_measured ? Health::kGood : Health::kBad);
-  best.is_uncertain = best.status == FrameStatus::kDegraded && IsStepUncertain(best.tracked);
-  return best;
+std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame,
+                                                  const Rigid3d& T_prev_cur,
+                                                  const MotionPrediction& predicted) const {
+  RoadGuess guess{T_prev_cur, predicted.T_prev_cur.t().head<2>(),
+                  predicted.covariance.block<2, 2>(3, 3).inverse()};
+  const std::optional<RoadMotion> road = tracker_.MeasureRoad(frame, guess);
+  if (!road) return std::nullopt;
+  // What keeps pace with the vehicle, such as the shadow of the car before it, agrees, too.
+  const Eigen::Matrix2d covariance = predicted.covariance.block<2, 2>(3, 3) + road->covariance_m2;
+  const Eigen::Vector2d innovation_m = road->T_prev_cur.t().head<2>() - guess.expected_m;
+  const double chi2 = innovation_m.dot(covariance.inverse() * innovation_m);
+  const bool is_expected = chi2 < kExpectedSigmas * kExpectedSigmas &&
+                           innovation_m.norm() < options_.health.suspicious_innovation_m;
+  return is_expected ? road : std::nullopt;
+}
+
+std::optional<PoseFinder::Slip> PoseFinder::WatchTraffic(const PreprocessedFrame& frame,
+                                                         const FoundPose& found,
+                                                         const FrameContext& context) {
+  if (!motion_.known() || !was_measured_ || !IsMeasured(found.status)) return std::nullopt;
+  const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev_);
+  const std::optional<RoadMotion> road = MeasureRoad(frame, T_prev_cur, Predict(context.interval));
+  const Eigen::Vector2d slip_m =
+      traffic_.Update(whole_ ? whole_->odometry.T_ref_body : T_prev_cur, road);
+  if (slip_m.isZero(0.0)) return std::nullopt;
+  return Slip{Rigid3d::Translation(slip_m.x(), slip_m.y(), 0.0), road->T_prev_cur};
 }
 
 void PoseFinder::TryMotions(const PreprocessedFrame& frame, const FrameContext& context,
@@ -297,11 +231,18 @@ TrackedPose PoseFinder::HeldForward(const PreprocessedFrame& frame,
 
 // After a leap or while lost, a pose is believed if its scan lies on the map as usual, or if two
 // frames in a row lie clearly better there than anywhere else.
+bool PoseFinder::IsAmongTraffic(const Search& search) const {
+  if (!whole_ || !was_measured_ || !search.best.tracked.is_measured) return false;
+  const Rigid3d innovation = search.T_odom_expected.Inverse() * search.best.tracked.T_odom_lidar;
+  return innovation.t().norm() < kExpected_m;
+}
+
 Health PoseFinder::Judge(const Search& search) const {
   const bool was_lost = !was_measured_ && !is_provisional_;
   const bool is_unfounded = search.best.tracked.fit.judged < options_.health.min_judged;
   if (is_provisional_ && is_unfounded) return Health::kBad;
   const Health health = health_.Judge(search.best.tracked, search.T_odom_expected, was_lost);
+  if (IsAmongTraffic(search)) return std::min(health, Health::kSuspicious);
   const bool needs_confirmation = is_provisional_ && health == Health::kSuspicious;
   return needs_confirmation && !IsClearWinner(search) ? Health::kBad : health;
 }
@@ -327,8 +268,8 @@ FrameStatus PoseFinder::StatusOf(const PreprocessedFrame& frame, const TrackedPo
     const double sigma_m = std::sqrt(covariance.block<3, 3>(3, 3).trace());
     return has_data || sigma_m > kLostSigma_m ? FrameStatus::kLost : FrameStatus::kPredicted;
   }
-  return frame.has_scan && HoldsAllDirections(FinalEstimate(tracked)) ? FrameStatus::kTracked
-                                                                      : FrameStatus::kDegraded;
+  return frame.has_scan && HoldsAllDirections(tracked) ? FrameStatus::kTracked
+                                                       : FrameStatus::kDegraded;
 }
 
 FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& context,
@@ -338,7 +279,7 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   if (!motion_.known() && was_measured_ && last_.has_scan) {
     return FindStart(frame, context, landmarks, executor, times);
   }
-  const MotionPrediction predicted = Predict(context.interval);
+  const MotionPrediction predicted = Expect(context.interval);
   const bool is_due = frames_ % options_.mapping.interval == 0;
   // While lost the vehicle may have been moved by other means.
   const auto is_reachable = [&](const Rigid3d& T_odom_lidar) {
@@ -364,7 +305,7 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   Health health = Judge(search);
   const bool is_doubtful =
       context.is_doubtful || !is_settled_ || context.interval.verdict != StampVerdict::kRegular;
-  if (frame.has_scan && (is_doubtful || health != Health::kGood)) {
+  if (frame.has_scan && !IsAmongTraffic(search) && (is_doubtful || health != Health::kGood)) {
     if (was_measured_ || is_provisional_) TryMotions(frame, context, &search);
     health = Judge(search);
     if (!was_measured_ || health != Health::kGood) TryAlignments(frame, context, &search);
@@ -374,7 +315,10 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   FoundPose found = std::move(search.best);
   found.usual_misfit = health_.usual_misfit();
   found.status = StatusOf(frame, found.tracked, health);
-  found.is_uncertain = found.status == FrameStatus::kDegraded && IsStepUncertain(found.tracked);
+  // The step makes up for what the traffic had carried the poses away by.
+  const bool is_correction = was_carried_away_ && IsMeasured(found.status);
+  found.is_uncertain =
+      is_correction || (found.status == FrameStatus::kDegraded && IsStepUncertain(found.tracked));
   if (!IsMeasured(found.status) && is_clear) {
     found.is_provisional = true;
   } else if (!IsMeasured(found.status)) {
@@ -391,7 +335,17 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
 void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
                          const FrameContext& context) {
   const TrackedPose& tracked = found.tracked;
-  tracker_.Advance(frame, tracked.cloud);
+  const std::optional<Slip> slip = WatchTraffic(frame, found, context);
+  was_carried_away_ = slip.has_value();
+  if (whole_) {
+    frame.features = std::move(whole_->features);
+    frame.tracks = std::move(whole_->tracks);
+    frame.depths = std::move(whole_->depths);
+    tracker_.Advance(frame, tracker_.Compensate(frame, tracked.Motion(T_odom_prev_),
+                                                tracked.start.duration_s()));
+  } else {
+    tracker_.Advance(frame, tracked.cloud);
+  }
   const bool is_measured = IsMeasured(found.status);
   const bool is_settled =
       is_measured && !found.bridge && motion_.known() && found.origin == PoseOrigin::kPrediction;
@@ -399,7 +353,8 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
     const bool tells_velocity =
         !found.bridge && (found.origin != PoseOrigin::kAlignment || !motion_.known());
     if (is_measured && tells_velocity) {
-      motion_.Update(tracked.Motion(T_odom_prev_), tracked.step_covariance, tracked.start.periods);
+      motion_.Update(slip ? slip->T_prev_cur : tracked.Motion(T_odom_prev_),
+                     tracked.step_covariance, tracked.start.periods);
     } else {
       motion_.Coast(context.interval.periods);
     }
@@ -417,7 +372,7 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
   was_measured_ = is_measured;
   is_settled_ = is_settled;
   is_provisional_ = found.is_provisional;
-  T_odom_prev_ = tracked.T_odom_lidar;
+  T_odom_prev_ = slip ? tracked.T_odom_lidar * slip->T_slip : tracked.T_odom_lidar;
   last_ = std::move(frame);
   ++frames_;
 }
@@ -432,6 +387,7 @@ double PoseFinder::MayHaveTravelled_m() const {
 void PoseFinder::Restart() {
   before_restart_ = motion_;
   motion_.Forget();
+  traffic_.Forget();
   is_provisional_ = false;
   was_measured_ = true;
   periods_unknown_ = 0;

@@ -15,6 +15,7 @@
 #include "tvl/slam/health.h"
 #include "tvl/slam/motion_model.h"
 #include "tvl/slam/pose_search.h"
+#include "tvl/slam/traffic_monitor.h"
 
 namespace tvl {
 
@@ -78,9 +79,18 @@ class PoseFinder {
     return motion_.Predict(interval.periods, interval.period_s);
   }
 
+  // Where the traffic around carries the estimate with it: takes out of the frame what may be
+  // traffic. Called once a frame, before Find. Returns how many tracks were taken out.
+  int RemoveTraffic(const FrameContext& context, PreprocessedFrame* frame,
+                    const Executor& executor);
+
   // The pose of the next frame against `map`, in the odometry frame.
   FoundPose Find(const PreprocessedFrame& frame, const FrameContext& context, const LocalMap& map,
                  const LandmarkMap& landmarks, const Executor& executor, StageTimes* times);
+
+  // The last Advance noticed that the traffic had carried the poses away: the next one makes up for
+  // it, and landmarks placed meanwhile are wrong.
+  bool was_carried_away() const { return was_carried_away_; }
 
   // The frame whose pose was found is what the next one is matched against.
   void Advance(PreprocessedFrame frame, const FoundPose& found, const FrameContext& context);
@@ -104,18 +114,38 @@ class PoseFinder {
 
  private:
   struct Search;
+  // The motion over the road, where it is one that the vehicle can have made.
+  std::optional<RoadMotion> MeasureRoad(const PreprocessedFrame& frame, const Rigid3d& T_prev_cur,
+                                        const MotionPrediction& predicted) const;
+  // Where traffic was taken out, the motion over the road is what is expected.
+  MotionPrediction Expect(const FrameInterval& interval) const;
+  // Compares the estimate with the motion over the road.
+  // Where the estimate is found to have been carried away: by how much, and the true motion.
+  struct Slip {
+    Rigid3d T_slip;
+    Rigid3d T_prev_cur;
+  };
+  std::optional<Slip> WatchTraffic(const PreprocessedFrame& frame, const FoundPose& found,
+                                   const FrameContext& context);
   FoundPose First(const PreprocessedFrame& frame, const FrameContext& context) const;
   FoundPose FindStart(const PreprocessedFrame& frame, const FrameContext& context,
                       const LandmarkMap& landmarks, const Executor& executor, StageTimes* times);
   TrackedPose FollowStart(const PreprocessedFrame& frame, MotionPrediction start,
                           const LandmarkMap& landmarks, const Executor& executor, StageTimes* times,
                           KeyframeCloud* previous_cloud);
+  // Where the road contradicts the first motion, it is what is followed.
+  void FollowRoad(const PreprocessedFrame& frame, const FrameContext& context,
+                  const LandmarkMap& landmarks, const Executor& executor, StageTimes* times,
+                  FoundPose* best);
   void TryMotions(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
   void TryAlignments(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
   // Of coarse alignments, those with the smallest misfit as they are, best first.
   std::vector<Rigid3d> BestLying(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                                  const LocalMap& map,
                                  const std::vector<Rigid3d>& T_odom_lidar) const;
+  // Whether the best hypothesis is where road and prediction have it, and traffic hides what would
+  // tell: how little is left of the scan lies on the map says nothing then.
+  bool IsAmongTraffic(const Search& search) const;
   Health Judge(const Search& search) const;
   // Whether the best hypothesis lies clearly better than all others that ended elsewhere.
   bool IsClearWinner(const Search& search) const;
@@ -129,6 +159,17 @@ class PoseFinder {
   MotionModel motion_;
   MotionModel before_restart_;  // what was known when the map last began anew
   HealthMonitor health_;
+  TrafficMonitor traffic_;
+  // Where traffic was taken out of the frame: what it was before, and the motion by all of it.
+  struct Whole {
+    LaserFeatures features;
+    FeatureTracks tracks;
+    VisualDepths depths;
+    MotionEstimate odometry;
+  };
+  std::optional<Whole> whole_;
+  std::optional<RoadMotion> road_;  // there, if it is known
+  bool was_carried_away_ = false;
   bool has_first_ = false;       // a scan has been seen
   bool was_measured_ = false;    // the last frame's pose
   bool is_provisional_ = false;  // FoundPose::is_provisional of the last frame

@@ -25,6 +25,12 @@ std::vector<Eigen::Vector2f> Raised(const std::vector<Eigen::Vector3f>& points,
 
 }  // namespace
 
+std::vector<Eigen::Vector3f> AllPoints(const KeyframeCloud& cloud) {
+  std::vector<Eigen::Vector3f> points = cloud.planes.points;
+  points.insert(points.end(), cloud.edges.points.begin(), cloud.edges.points.end());
+  return points;
+}
+
 void PoseSearchOptions::Check() const {
   TVL_CHECK_INPUT(radius_m > 0.0 && start_radius_m > 0.0)
       << "search.radius_m, start_radius_m: must be positive";

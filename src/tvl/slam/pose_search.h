@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tvl/base/parallel.h"
+#include "tvl/map/keyframe.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/slam/frame_clock.h"
 #include "tvl/slam/motion_model.h"
@@ -29,5 +30,8 @@ std::vector<Rigid3d> AlignWithoutGuess(const std::vector<Eigen::Vector3f>& point
                                        const LocalMap& map, const Rigid3d& T_odom_known,
                                        double radius_m, double yaw_window_rad,
                                        const PoseSearchOptions& options, const Executor& executor);
+
+// What AlignWithoutGuess wants of a scan.
+std::vector<Eigen::Vector3f> AllPoints(const KeyframeCloud& cloud);
 
 }  // namespace tvl

@@ -1,5 +1,8 @@
 #include "tvl/slam/preprocessor.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "tvl/base/check.h"
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/depth_association.h"
@@ -7,6 +10,30 @@
 #include "tvl/vision/pixel_prediction.h"
 
 namespace tvl {
+namespace {
+
+constexpr float kNearest_m = 0.5f;  // nearer the projection flies off with any error
+// Beyond, a pixel spans half a metre of road.
+constexpr float kFarthestRoad_m = 25.0f;
+
+RoadView ViewRoad(const SegmentedScan& scan, const Calibration& calibration) {
+  constexpr size_t kEvery = 2;  // column of the scan: three pixels apart
+  const Eigen::Matrix3f R = calibration.T_cam_lidar.R().cast<float>();
+  const Eigen::Vector3f t = calibration.T_cam_lidar.t().cast<float>();
+  RoadView view;
+  for (size_t i = 0; i < scan.size(); i += kEvery) {
+    const Eigen::Vector3f p_cam = R * scan.points[i] + t;
+    // Far to the side nothing is in the image.
+    if (p_cam.z() < std::max(kNearest_m, std::abs(p_cam.x()))) continue;
+    if (p_cam.z() > kFarthestRoad_m) continue;
+    const Eigen::Vector2d ray = p_cam.hnormalized().cast<double>();
+    (scan.label[i] == kLabelGround ? view.road_px : view.standing_px)
+        .push_back(calibration.camera.Project(ray).cast<float>());
+  }
+  return view;
+}
+
+}  // namespace
 
 Preprocessor::Preprocessor(const SensorSetup& setup, Deskew deskew,
                            const PreprocessingOptions& options, bool use_camera)
@@ -27,6 +54,7 @@ PreprocessedFrame Preprocessor::Process(const SensorFrame& frame, const Predicte
                    [&] { ProcessImage(frame, predicted, &out, times); }});
   const Stopwatch watch;
   out.depths = FindDepths(out.tracks, out, predicted);
+  AddRoadTracks(predicted, &out);
   times->depth_ms += watch.ElapsedMs();
   previous_tracks_ = out.tracks;
   previous_depths_ = out.depths;
@@ -45,6 +73,21 @@ void Preprocessor::ProcessImage(const SensorFrame& frame, const PredictedMotion&
   out->tracks = tracker_.Track(frame.image, setup_.calibration.camera, expected);
   out->has_image = out->tracks.status != TrackingStatus::kNoImage;
   times->vision_ms += watch.ElapsedMs();
+}
+
+void Preprocessor::AddRoadTracks(const PredictedMotion& motion, PreprocessedFrame* frame) {
+  const auto on_road =
+      std::count_if(frame->depths.begin(), frame->depths.end(),
+                    [](const VisualDepth& depth) { return depth.label == kLabelGround; });
+  if (!frame->has_image || !frame->has_scan || 4 * on_road > 3 * options_.road_features) return;
+  const Camera& camera = setup_.calibration.camera;
+  FeatureTracks added;
+  added.tracks = tracker_.AddOnRoad(ViewRoad(frame->scan, setup_.calibration),
+                                    options_.road_features - static_cast<int>(on_road), camera);
+  const VisualDepths depths = FindDepths(added, *frame, motion);
+  frame->tracks.added += static_cast<int>(added.tracks.size());
+  frame->tracks.tracks.insert(frame->tracks.tracks.end(), added.tracks.begin(), added.tracks.end());
+  frame->depths.insert(frame->depths.end(), depths.begin(), depths.end());
 }
 
 void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beams,

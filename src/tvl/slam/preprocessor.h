@@ -39,6 +39,8 @@ class Preprocessor {
                     PreprocessedFrame* out, StageTimes* times);
   void ProcessScan(const SensorFrame& frame, const BeamOffsets& beams, PreprocessedFrame* out,
                    StageTimes* times, std::vector<FrameFault>* faults);
+  // Looks for tracks on the road where there are few.
+  void AddRoadTracks(const PredictedMotion& motion, PreprocessedFrame* frame);
   VisualDepths FindDepths(const FeatureTracks& tracks, const PreprocessedFrame& frame,
                           const PredictedMotion& motion) const;
 

@@ -10,6 +10,8 @@ void SlamOptions::Check() const {
   preprocessing.segmentation.Check();
   preprocessing.features.Check();
   preprocessing.depth.Check();
+  TVL_CHECK_INPUT(preprocessing.road_features >= 0)
+      << "preprocessing.road_features: must not be negative";
   clock.Check();
   motion.Check();
   odometry.Check();
@@ -24,6 +26,7 @@ void SlamOptions::Check() const {
   mapping.fit.Check();
   search.Check();
   health.Check();
+  traffic.Check();
   loops.Check();
 }
 

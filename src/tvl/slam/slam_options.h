@@ -17,6 +17,7 @@
 #include "tvl/slam/loop_closer.h"
 #include "tvl/slam/motion_model.h"
 #include "tvl/slam/pose_search_options.h"
+#include "tvl/slam/traffic_monitor.h"
 #include "tvl/vision/feature_tracker.h"
 #include "tvl/vision/image_feature_extractor.h"
 
@@ -28,6 +29,10 @@ struct PreprocessingOptions {
   SegmentationOptions segmentation;
   LaserFeatureOptions features;
   DepthOptions depth;
+  // With fewer tracks on the road than three quarters of this, so many are looked for there, beside
+  // the others. In a jam the lettering on lorries has the stronger corners, and only the road
+  // stands still. That a quarter of them agree by chance is out of the question.
+  int road_features = 40;
   // The extrinsics were estimated from points without the profile's vertical correction, and have
   // absorbed it where the camera looks: true of KITTI's own (measured on drive 2011_09_26_0052),
   // not of KITTI-360's nor of a simulator's. See docs/decisions.md.
@@ -55,6 +60,7 @@ struct SlamOptions {
   MappingOptions mapping;
   PoseSearchOptions search;
   HealthOptions health;
+  TrafficOptions traffic;
   LoopOptions loops;
   bool use_camera = true;
   void Check() const;

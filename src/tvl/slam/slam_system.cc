@@ -106,6 +106,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   const FeatureTracks all_tracks = current.tracks;
   const VisualDepths all_depths = current.depths;
   result.tracks_moving = moving_tracks_.Remove(&current.tracks, &current.depths);
+  result.tracks_moving += finder_.RemoveTraffic(context, &current, executor);
   const FoundPose found =
       finder_.Find(current, context, local_map_, landmarks_, executor, &result.times);
   Describe(current, found, &result);
@@ -138,6 +139,10 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   last_cloud_ = found.tracked.cloud;
   last_status_ = result.status;
   finder_.Advance(std::move(current), found, context);
+  if (finder_.was_carried_away()) {
+    landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
+    moving_tracks_.Forget();
+  }
   if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan &&
       finder_.MayHaveTravelled_m() > kSurroundings_m) {
     Restart(result, executor);

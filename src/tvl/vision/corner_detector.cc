@@ -165,14 +165,16 @@ bool IsLocalMaximum(const cv::Mat& strength, const Candidate& c) {
   return true;
 }
 
-// Local maxima above the quality threshold, one a block at most, strongest first.
-std::vector<Candidate> FindCandidates(const cv::Mat& strength, int block_px, double quality) {
+// Local maxima in the mask above the quality threshold, one a block at most, strongest first.
+std::vector<Candidate> FindCandidates(const cv::Mat& strength, const cv::Mat& mask, int block_px,
+                                      double quality) {
   const cv::Rect inside(kBorder_px, kBorder_px, strength.cols - 2 * kBorder_px,
                         strength.rows - 2 * kBorder_px);
   std::vector<Candidate> candidates;
   for (int y = inside.y; y < inside.br().y; y += block_px) {
     for (int x = inside.x; x < inside.br().x; x += block_px) {
       const Candidate c = StrongestIn(strength, cv::Rect(x, y, block_px, block_px) & inside);
+      if (!mask.empty() && mask.at<uint8_t>(c.y, c.x) == 0) continue;
       if (c.strength > 0.0f && IsLocalMaximum(strength, c)) candidates.push_back(c);
     }
   }
@@ -220,27 +222,30 @@ void CornerDetectorOptions::Check() const {
 }
 
 std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient, const cv::Mat& grey,
-                                       const std::vector<cv::Point2f>& occupied_px, int count,
+                                       const CornerSearch& search,
                                        const CornerDetectorOptions& options) {
   TVL_CHECK(grey.size() == gradient.size()) << "gradient and image belong together";
   std::vector<cv::Point2f> corners;
-  if (count <= 0 || std::min(gradient.cols, gradient.rows) <= 2 * kBorder_px) return corners;
+  TVL_CHECK(search.mask.empty() || search.mask.size() == grey.size()) << "a mask of the image";
+  if (search.count <= 0 || std::min(gradient.cols, gradient.rows) <= 2 * kBorder_px) return corners;
   const cv::Mat strength = StrengthMap(gradient).map();
   const int block_px = std::max(3, static_cast<int>(0.4 * options.min_distance_px));
-  const std::vector<Candidate> candidates = FindCandidates(strength, block_px, options.quality);
+  const std::vector<Candidate> candidates =
+      FindCandidates(strength, search.mask, block_px, options.quality);
 
   const double min_contrast =
       std::max(options.min_contrast_levels, options.min_contrast_sigmas * NoiseLevel(grey));
 
   Spacing spacing(gradient.size(), options.min_distance_px);
-  Shares shares(gradient.size(), options.cell_px, count + static_cast<int>(occupied_px.size()));
-  for (const cv::Point2f& px : occupied_px) {
+  Shares shares(gradient.size(), options.cell_px,
+                search.count + static_cast<int>(search.occupied_px.size()));
+  for (const cv::Point2f& px : search.occupied_px) {
     spacing.Add(px);
     shares.Add(px);
   }
   for (const bool keep_to_share : {true, false}) {
     for (const Candidate& candidate : candidates) {
-      if (static_cast<int>(corners.size()) == count) return corners;
+      if (static_cast<int>(corners.size()) == search.count) return corners;
       const cv::Point2f px = SubPixel(strength, candidate);
       if ((keep_to_share && !shares.HasRoom(px)) || !spacing.IsFree(px)) continue;
       if (ContrastAround(grey, px) < min_contrast) continue;

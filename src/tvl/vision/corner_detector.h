@@ -22,12 +22,21 @@ struct CornerDetectorOptions {
   void Check() const;  // throws InputError naming the field
 };
 
+// Where to look for corners.
+struct CornerSearch {
+  int count = 0;  // at most so many
+  // Each is at least the minimum distance from all of these.
+  std::vector<cv::Point2f> occupied_px;
+  // 8 bit, not 0 where corners may be; empty: anywhere. The strongest corner is that in the mask.
+  cv::Mat mask;
+};
+
 // At most `count` corners, each at least the minimum distance from the others and from
-// `occupied_px`; sub-pixel positions. `gradient` holds dx, dy of each pixel (16-bit signed, two
-// channels): ImagePyramid::gradient(), there for the optical flow. `grey` is the same image before
-// it was equalised, 8 bit, and must show more than noise where a corner is. Deterministic.
+// the occupied places; sub-pixel positions. `gradient` holds dx, dy of each pixel (16-bit signed,
+// two channels): ImagePyramid::gradient(), there for the optical flow. `grey` is the same image
+// before it was equalised, 8 bit, and must show more than noise where a corner is. Deterministic.
 std::vector<cv::Point2f> DetectCorners(const cv::Mat& gradient, const cv::Mat& grey,
-                                       const std::vector<cv::Point2f>& occupied_px, int count,
+                                       const CornerSearch& search,
                                        const CornerDetectorOptions& options);
 
 }  // namespace tvl

@@ -10,7 +10,8 @@ namespace {
 
 std::vector<cv::Point2f> Detect(const cv::Mat& image, const std::vector<cv::Point2f>& occupied_px,
                                 int count, const CornerDetectorOptions& options) {
-  return DetectCorners(ImagePyramid(image, {}).gradient(), image, occupied_px, count, options);
+  return DetectCorners(ImagePyramid(image, {}).gradient(), image, {count, occupied_px, {}},
+                       options);
 }
 
 TEST(CornerDetector, FindsTheCornersOfASquare) {
@@ -59,6 +60,27 @@ TEST(CornerDetector, NothingInAUniformOrTinyImage) {
   EXPECT_TRUE(Detect(cv::Mat(100, 100, CV_8U, cv::Scalar(90)), {}, 50, {}).empty());
   EXPECT_TRUE(Detect(cv::Mat(5, 5, CV_8U, cv::Scalar(90)), {}, 50, {}).empty());
   EXPECT_TRUE(Detect(MakeTexture({100, 100}, 1), {}, 0, {}).empty());
+}
+
+TEST(CornerDetector, TheStrongestIsThatInTheMask) {
+  cv::Mat image(200, 300, CV_8U, cv::Scalar(60));
+  cv::rectangle(image, cv::Rect(20, 60, 80, 70), cv::Scalar(250), cv::FILLED);
+  cv::rectangle(image, cv::Rect(180, 60, 80, 70), cv::Scalar(74), cv::FILLED);
+  cv::Mat noise(image.size(), CV_8U);
+  cv::RNG rng(5);
+  rng.fill(noise, cv::RNG::UNIFORM, 0, 3);
+  image += noise;
+  CornerSearch search;
+  search.count = 10;
+  const cv::Mat gradient = ImagePyramid(image, {}).gradient();
+  for (const cv::Point2f& c : DetectCorners(gradient, image, search, {})) {
+    EXPECT_LT(c.x, 150.0f) << "the faint square is below the quality of the bright one";
+  }
+  search.mask = cv::Mat::zeros(image.size(), CV_8U);
+  search.mask(cv::Rect(150, 0, 150, 200)).setTo(1);
+  const std::vector<cv::Point2f> corners = DetectCorners(gradient, image, search, {});
+  EXPECT_GE(corners.size(), 4u);
+  for (const cv::Point2f& c : corners) EXPECT_GT(c.x, 150.0f);
 }
 
 }  // namespace

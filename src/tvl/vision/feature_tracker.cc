@@ -1,5 +1,6 @@
 #include "tvl/vision/feature_tracker.h"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -96,6 +97,26 @@ void FollowRest(const ImagePyramid& previous, const ImagePyramid& current,
   for (size_t k = 0; k < index.size(); ++k) (*flow)[index[k]] = found[k];
 }
 
+// Sets the cells of the mask in which the pixels lie.
+void FillCells(const std::vector<Eigen::Vector2f>& pixels, uint8_t value, cv::Mat* mask) {
+  constexpr int kCell_px = 16;  // of 64 beams two or three pass through it
+  const cv::Rect image(cv::Point(), mask->size());
+  for (const Eigen::Vector2f& px : pixels) {
+    const cv::Point at(static_cast<int>(px.x()), static_cast<int>(px.y()));
+    if (!image.contains(at) || mask->at<uint8_t>(at) == value) continue;
+    const cv::Rect cell(at.x / kCell_px * kCell_px, at.y / kCell_px * kCell_px, kCell_px, kCell_px);
+    (*mask)(cell & image).setTo(value);
+  }
+}
+
+// Where nothing but the road is seen.
+cv::Mat RoadMask(const RoadView& road, cv::Size size) {
+  cv::Mat mask = cv::Mat::zeros(size, CV_8U);
+  FillCells(road.road_px, 1, &mask);
+  FillCells(road.standing_px, 0, &mask);
+  return mask;
+}
+
 // Drops the tracks at odds with the epipolar geometry, in place of `result.tracks`.
 FeatureTracks FilterEpipolar(FeatureTracks result, const std::vector<Eigen::Vector2d>& rays_prev,
                              const EpipolarFilterOptions& options) {
@@ -119,6 +140,8 @@ void FeatureTrackerOptions::Check() const {
   TVL_CHECK_INPUT(max_features >= 1) << "max_features: must be at least 1, is " << max_features;
   TVL_CHECK_INPUT(refill_share >= 0.0 && refill_share <= 1.0)
       << "refill_share: must lie in 0..1, is " << refill_share;
+  TVL_CHECK_INPUT(road_distance_px >= 1.0)
+      << "road_distance_px: must be at least 1, is " << road_distance_px;
   TVL_CHECK_INPUT(min_kept_share >= 0.0 && min_kept_share <= 1.0)
       << "min_kept_share: must lie in 0..1, is " << min_kept_share;
   image.Check();
@@ -143,15 +166,12 @@ FeatureTracks FeatureTracker::Track(const cv::Mat& image, const Camera& camera,
   if (current.size() == previous_.size()) result = Follow(current, camera, predicted);
   const double wanted = options_.refill_share * options_.max_features;
   if (static_cast<double>(result.tracks.size()) < wanted || result.tracks.empty()) {
-    for (FeatureTrack& track : Detect(current.gradient(), grey, camera, result.tracks)) {
-      track.id = next_id_++;
-      result.tracks.push_back(track);
-      ++result.added;
-    }
+    Detect(current, grey, camera, &result);
   }
   if (result.tracks.empty()) return Forget();
   tracks_ = result.tracks;
   previous_ = std::move(current);
+  grey_ = grey;
   return result;
 }
 
@@ -190,23 +210,44 @@ FeatureTracks FeatureTracker::Follow(const ImagePyramid& current, const Camera& 
   return result;
 }
 
-std::vector<FeatureTrack> FeatureTracker::Detect(const cv::Mat& gradient, const cv::Mat& grey,
-                                                 const Camera& camera,
-                                                 const std::vector<FeatureTrack>& kept) const {
-  const int count = options_.max_features - static_cast<int>(kept.size());
-  std::vector<FeatureTrack> found;
-  for (const cv::Point2f& px :
-       DetectCorners(gradient, grey, Positions(kept), count, options_.corners)) {
+void FeatureTracker::Detect(const ImagePyramid& current, const cv::Mat& grey, const Camera& camera,
+                            FeatureTracks* result) {
+  CornerSearch search;
+  search.count = options_.max_features - static_cast<int>(result->tracks.size());
+  search.occupied_px = Positions(result->tracks);
+  Add(DetectCorners(current.gradient(), grey, search, options_.corners), camera, result);
+}
+
+std::vector<FeatureTrack> FeatureTracker::AddOnRoad(const RoadView& road, int count,
+                                                    const Camera& camera) {
+  if (previous_.empty() || road.road_px.empty()) return {};
+  CornerSearch search;
+  search.count = count;
+  search.occupied_px = Positions(tracks_);
+  search.mask = RoadMask(road, grey_.size());
+  CornerDetectorOptions close = options_.corners;
+  close.min_distance_px = options_.road_distance_px;
+  FeatureTracks added;
+  Add(DetectCorners(previous_.gradient(), grey_, search, close), camera, &added);
+  tracks_.insert(tracks_.end(), added.tracks.begin(), added.tracks.end());
+  return added.tracks;
+}
+
+void FeatureTracker::Add(const std::vector<cv::Point2f>& corners_px, const Camera& camera,
+                         FeatureTracks* result) {
+  for (const cv::Point2f& px : corners_px) {
     FeatureTrack track;
+    track.id = next_id_++;
     track.px_cam = track.px_cam_prev = ToEigen(px);
     track.ray_cam = camera.Unproject(track.px_cam);
-    found.push_back(track);
+    result->tracks.push_back(track);
+    ++result->added;
   }
-  return found;
 }
 
 FeatureTracks FeatureTracker::Forget() {
   previous_ = ImagePyramid();
+  grey_.release();
   tracks_.clear();
   return {};
 }
@@ -217,6 +258,7 @@ FeatureTrackerState FeatureTracker::state() const {
 
 void FeatureTracker::set_state(const FeatureTrackerState& state) {
   previous_ = state.grey.empty() ? ImagePyramid() : ImagePyramid(state.grey.clone(), options_.flow);
+  grey_ = state.grey;
   tracks_ = state.tracks;
   next_id_ = state.next_id;
 }

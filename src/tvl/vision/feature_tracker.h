@@ -22,12 +22,19 @@ struct FeatureTrackerOptions {
   // When a smaller share of the previous features is kept, all are given up (status kLost): of an
   // unrelated image a few per cent pass the checks by chance.
   double min_kept_share = 0.1;
+  // Between features that are looked for on the road alone: what is seen of it may be small.
+  double road_distance_px = 10.0;
   ImagePreparationOptions image;
   OpticalFlowOptions flow;
   EpipolarFilterOptions epipolar;
   CornerDetectorOptions corners;
 
   void Check() const;  // throws InputError naming the field
+};
+
+// Where the lidar sees the road, and what stands on it, in the image as delivered, px.
+struct RoadView {
+  std::vector<Eigen::Vector2f> road_px, standing_px;
 };
 
 // What the tracker remembers between two images: everything that affects later results.
@@ -53,6 +60,10 @@ class FeatureTracker {
   FeatureTracks Track(const cv::Mat& image, const Camera& camera,
                       const PixelPredictions& predicted = {});
 
+  // After Track: adds at most `count` features of the same image where the road is seen, and
+  // nothing that stands on it. Returns them; they are the last of the tracks.
+  std::vector<FeatureTrack> AddOnRoad(const RoadView& road, int count, const Camera& camera);
+
   // Deep copy of the memory, and its way back.
   FeatureTrackerState state() const;
   void set_state(const FeatureTrackerState& state);
@@ -60,13 +71,15 @@ class FeatureTracker {
  private:
   FeatureTracks Follow(const ImagePyramid& current, const Camera& camera,
                        const PixelPredictions& predicted) const;
-  std::vector<FeatureTrack> Detect(const cv::Mat& gradient, const cv::Mat& grey,
-                                   const Camera& camera,
-                                   const std::vector<FeatureTrack>& kept) const;
+  // New features are added to `result`.
+  void Detect(const ImagePyramid& current, const cv::Mat& grey, const Camera& camera,
+              FeatureTracks* result);
+  void Add(const std::vector<cv::Point2f>& corners_px, const Camera& camera, FeatureTracks* result);
   FeatureTracks Forget();
 
   FeatureTrackerOptions options_;
   ImagePyramid previous_;
+  cv::Mat grey_;  // the same image before it was equalised
   std::vector<FeatureTrack> tracks_;
   TrackId next_id_ = 0;
 };

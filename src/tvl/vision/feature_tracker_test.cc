@@ -214,5 +214,40 @@ TEST(FeatureTracker, KeepsRealTracks) {
   EXPECT_GT(kept / seen, 0.85);
 }
 
+TEST(FeatureTracker, AddsFeaturesOnTheRoadAlone) {
+  FeatureTrackerOptions options;
+  options.max_features = 60;
+  FeatureTracker tracker(options);
+  const cv::Mat world = World();
+  const Camera camera = TestCamera();
+  const FeatureTracks first = tracker.Track(world, camera);
+  RoadView road;  // the lower half, but for a car in its middle
+  for (float y = 200.0f; y < 350.0f; y += 8.0f) {
+    for (float x = 4.0f; x < 640.0f; x += 8.0f) {
+      const bool is_car = std::abs(x - 320.0f) < 80.0f;
+      (is_car ? road.standing_px : road.road_px).emplace_back(x, y);
+    }
+  }
+  const std::vector<FeatureTrack> added = tracker.AddOnRoad(road, 25, camera);
+  ASSERT_EQ(added.size(), 25u);
+  for (const FeatureTrack& track : added) {
+    EXPECT_GT(track.id, first.tracks.back().id);
+    EXPECT_EQ(track.length, 1);
+    EXPECT_GE(track.px_cam.y(), 191.5) << "half a pixel of the cell's edge";
+    EXPECT_GT(std::abs(track.px_cam.x() - 320.0), 60.0) << "on the car";
+    for (const FeatureTrack& other : first.tracks) {
+      EXPECT_GE((track.px_cam - other.px_cam).norm(), options.road_distance_px - 1e-3);
+    }
+  }
+  const FeatureTracks next = tracker.Track(Shift(world, 2.0, 1.0), camera);
+  int followed = 0;
+  for (const FeatureTrack& track : next.tracks) {
+    followed += track.id >= added.front().id && track.length == 2;
+  }
+  EXPECT_GT(followed, 20);
+  EXPECT_TRUE(tracker.AddOnRoad({}, 25, camera).empty()) << "no road is seen";
+  EXPECT_TRUE(FeatureTracker().AddOnRoad(road, 25, camera).empty()) << "no image yet";
+}
+
 }  // namespace
 }  // namespace tvl

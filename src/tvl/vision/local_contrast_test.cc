@@ -29,7 +29,7 @@ cv::Mat StreetUnderSky(double noise) {
 
 std::vector<cv::Point2f> Corners(const cv::Mat& grey) {
   const cv::Mat equalised = Equalise(grey, {});
-  return DetectCorners(ImagePyramid(equalised, {}).gradient(), grey, {}, 300, {});
+  return DetectCorners(ImagePyramid(equalised, {}).gradient(), grey, {300, {}, {}}, {});
 }
 
 TEST(LocalContrast, NoiseIsMeasuredWhereNothingElseIs) {

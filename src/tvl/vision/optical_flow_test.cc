@@ -15,7 +15,7 @@ struct Scene {
   cv::Mat image = MakeTexture({640, 320}, 5);
   ImagePyramid previous{image.clone(), kOptions};
   std::vector<cv::Point2f> corners =
-      DetectCorners(previous.gradient(), previous.grey(), {}, 150, {});
+      DetectCorners(previous.gradient(), previous.grey(), {150, {}, {}}, {});
 };
 
 TEST(OpticalFlow, FollowsSubPixelMotion) {

@@ -1,0 +1,133 @@
+#include "tvl/slam/traffic_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "tvl/base/check.h"
+
+namespace tvl {
+namespace {
+
+// Clusters most of whose points lie in the corridor.
+std::set<int32_t> ClustersWithin(const LaserFeatures& features, double corridor_m) {
+  struct Count {
+    int points = 0, inside = 0;
+  };
+  std::map<int32_t, Count> clusters;
+  for (const LaserFeature& feature : features.less_flat) {
+    if (feature.label == kLabelGround) continue;
+    Count& count = clusters[feature.label];
+    ++count.points;
+    count.inside += std::abs(static_cast<double>(feature.p_lidar.y())) < corridor_m;
+  }
+  std::set<int32_t> labels;
+  for (const auto& [label, count] : clusters) {
+    if (2 * count.inside >= count.points) labels.insert(label);
+  }
+  return labels;
+}
+
+void RemoveLabels(const std::set<int32_t>& labels, std::vector<LaserFeature>* features) {
+  features->erase(std::remove_if(features->begin(), features->end(),
+                                 [&](const LaserFeature& f) { return labels.count(f.label) > 0; }),
+                  features->end());
+}
+
+}  // namespace
+
+void TrafficOptions::Check() const {
+  TVL_CHECK_INPUT(window_frames >= 1) << "traffic.window_frames: must be at least 1";
+  TVL_CHECK_INPUT(min_slip_m > 0.0) << "traffic.min_slip_m: must be positive";
+  TVL_CHECK_INPUT(slip_share >= 0.0) << "traffic.slip_share: must not be negative";
+  TVL_CHECK_INPUT(max_step_m > 0.0) << "traffic.max_step_m: must be positive";
+  TVL_CHECK_INPUT(corridor_m > 0.0) << "traffic.corridor_m: must be positive";
+  TVL_CHECK_INPUT(min_start_tracks >= 1) << "traffic.min_start_tracks: must be at least 1";
+  TVL_CHECK_INPUT(min_start_share > 0.0 && min_start_share <= 1.0)
+      << "traffic.min_start_share: must lie in 0..1, and not be 0";
+  TVL_CHECK_INPUT(release_m > 0.0) << "traffic.release_m: must be positive";
+}
+
+TrafficMonitor::TrafficMonitor(const TrafficOptions& options) : options_(options) {
+  options_.Check();
+}
+
+void TrafficMonitor::Forget() {
+  window_.clear();
+  carries_ = false;
+  agreeing_m_ = 0.0;
+}
+
+Eigen::Vector2d TrafficMonitor::Slip_m() const {
+  Eigen::Vector2d sum_m = Eigen::Vector2d::Zero();
+  for (const Slip& frame : window_) sum_m += frame.slip_m;
+  return sum_m;
+}
+
+bool TrafficMonitor::IsSlipping() const {
+  double path_m = 0.0;
+  for (const Slip& frame : window_) path_m += frame.step_m;
+  return Slip_m().norm() > options_.min_slip_m + options_.slip_share * path_m;
+}
+
+bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road) {
+  Forget();
+  const auto agreeing = static_cast<double>(road.agreeing.size());
+  const double step_m = road.T_prev_cur.t().head<2>().norm();
+  const double slip_m = (road.T_prev_cur.t() - T_prev_cur.t()).head<2>().norm();
+  carries_ = agreeing >= options_.min_start_tracks &&
+             agreeing >= options_.min_start_share * road.tracks && step_m < options_.max_step_m &&
+             slip_m > options_.min_slip_m + options_.slip_share * step_m;
+  return carries_;
+}
+
+Eigen::Vector2d TrafficMonitor::Update(const Rigid3d& T_prev_cur,
+                                       const std::optional<RoadMotion>& road) {
+  if (!road) return Eigen::Vector2d::Zero();
+  const double step_m = road->T_prev_cur.t().head<2>().norm();
+  if (step_m > options_.max_step_m) {
+    Forget();
+    return Eigen::Vector2d::Zero();
+  }
+  window_.push_back({(road->T_prev_cur.t() - T_prev_cur.t()).head<2>(), step_m});
+  if (window_.size() > static_cast<size_t>(options_.window_frames)) window_.pop_front();
+  const bool is_slipping = IsSlipping();
+  if (!carries_) {
+    carries_ = is_slipping;
+    agreeing_m_ = 0.0;
+    return carries_ ? Slip_m() : Eigen::Vector2d::Zero();
+  }
+  agreeing_m_ = is_slipping ? 0.0 : agreeing_m_ + step_m;
+  if (agreeing_m_ > options_.release_m) Forget();
+  return Eigen::Vector2d::Zero();
+}
+
+int TrafficMonitor::RemoveTraffic(const std::optional<RoadMotion>& road,
+                                  PreprocessedFrame* frame) const {
+  const std::set<int32_t> labels = ClustersWithin(frame->features, options_.corridor_m);
+  LaserFeatures& features = frame->features;
+  for (auto* of : {&features.sharp, &features.flat, &features.less_sharp, &features.less_flat}) {
+    RemoveLabels(labels, of);
+  }
+  std::vector<bool> agrees(frame->depths.size(), false);
+  if (road) {
+    for (const size_t i : road->agreeing) agrees[i] = true;
+  }
+  size_t kept = 0;
+  for (size_t i = 0; i < frame->depths.size(); ++i) {
+    const bool is_new =
+        frame->depths[i].label == kLabelGround && frame->tracks.tracks[i].length == 1;
+    if (!agrees[i] && !is_new) continue;
+    frame->tracks.tracks[kept] = frame->tracks.tracks[i];
+    frame->depths[kept] = frame->depths[i];
+    ++kept;
+  }
+  const int removed = static_cast<int>(frame->depths.size() - kept);
+  frame->tracks.tracks.resize(kept);
+  frame->depths.resize(kept);
+  return removed;
+}
+
+}  // namespace tvl

@@ -1,0 +1,67 @@
+// Whether the traffic around the vehicle carries the estimate with it. In a jam lorries and cars
+// are most of what the lidar sees, and moving together they look like a world that stands. The road
+// does not move: where the motion over it (road_motion.h) and the estimate drift apart, steadily,
+// what stands on the road is no longer believed.
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <optional>
+
+#include "tvl/frame/preprocessed_frame.h"
+#include "tvl/odometry/road_motion.h"
+
+namespace tvl {
+
+struct TrafficOptions {
+  // The estimate is carried away if, over so many frames, it falls behind the road by so much, and
+  // by this share of the way. Camera and lidar, in good order, differ by less (measured on KITTI
+  // and KITTI-360: 0.007 m a frame at walking speed, 4 % of a step at 10 m/s, either sign).
+  int window_frames = 5;
+  double min_slip_m = 0.04, slip_share = 0.04;
+  // Faster than this (6 m/s), traffic is not dense enough to hide everything else.
+  double max_step_m = 0.6;
+  // What stands so near to the line of travel may be traffic: two lanes to each side.
+  double corridor_m = 8.0;
+  // Of the first motion: so many tracks must agree, and this share, to overrule the scan at once.
+  int min_start_tracks = 12;
+  double min_start_share = 0.5;
+  // What stands beside the vehicle is believed again when it has moved as the road does for so long
+  // a way: no queue stands beside one that moves for longer.
+  double release_m = 20.0;
+  void Check() const;  // throws InputError naming the field
+};
+
+class TrafficMonitor {
+ public:
+  explicit TrafficMonitor(const TrafficOptions& options);
+
+  // The motion of the vehicle as the scan as a whole says, and as the road does. Returns how far
+  // the estimate has been carried away when that is noticed, else zero: x, y in the lidar frame, m.
+  Eigen::Vector2d Update(const Rigid3d& T_prev_cur, const std::optional<RoadMotion>& road);
+  // Of the first motion there is, which nothing was expected of. Returns carries_estimate().
+  bool Start(const Rigid3d& T_prev_cur, const RoadMotion& road);
+  // The estimate would be carried away: what may be traffic is to be left out.
+  bool carries_estimate() const { return carries_; }
+  void Forget();
+
+  // Leaves in the frame only what is known not to be traffic: laser features of the ground and of
+  // what stands beside the corridor, and tracks that move with the road. Any other track may be on
+  // a lorry, above the lidar's sight or at its edge. Returns how many tracks were taken out.
+  int RemoveTraffic(const std::optional<RoadMotion>& road, PreprocessedFrame* frame) const;
+
+ private:
+  struct Slip {
+    Eigen::Vector2d slip_m;  // of the estimate against the road, x and y in the lidar frame
+    double step_m;
+  };
+  Eigen::Vector2d Slip_m() const;
+  bool IsSlipping() const;
+
+  TrafficOptions options_;
+  std::deque<Slip> window_;
+  bool carries_ = false;
+  double agreeing_m_ = 0.0;  // way since the scan last contradicted the road
+};
+
+}  // namespace tvl

@@ -1,0 +1,115 @@
+#include "tvl/slam/traffic_monitor.h"
+
+#include <gtest/gtest.h>
+
+namespace tvl {
+namespace {
+
+std::optional<RoadMotion> Road(double x_m) {
+  RoadMotion road;
+  road.T_prev_cur = Rigid3d::Translation(x_m, 0.0, 0.0);
+  road.tracks = 40;
+  road.agreeing.assign(30, 0);
+  return road;
+}
+
+Rigid3d Scan(double x_m) { return Rigid3d::Translation(x_m, 0.0, 0.0); }
+
+TEST(TrafficMonitor, NoticesASteadySlip) {
+  TrafficMonitor monitor{TrafficOptions()};
+  double slip_m = 0.0;
+  int frames = 0;
+  while (!monitor.carries_estimate() && frames < 20) {
+    slip_m = monitor.Update(Scan(0.08), Road(0.10)).norm();
+    ++frames;
+  }
+  EXPECT_TRUE(monitor.carries_estimate());
+  EXPECT_LE(frames, 5);
+  EXPECT_NEAR(slip_m, 0.02 * frames, 1e-9);
+}
+
+TEST(TrafficMonitor, TakesNoiseForNoSlip) {
+  TrafficMonitor monitor{TrafficOptions()};
+  for (int k = 0; k < 200; ++k)
+    monitor.Update(Scan(0.10 + (k % 2 == 0 ? 0.015 : -0.015)), Road(0.10));
+  EXPECT_FALSE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, FastTrafficIsNoJam) {
+  TrafficMonitor monitor{TrafficOptions()};
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.7), Road(1.0));
+  EXPECT_FALSE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, ARoadThatIsNotSeenSaysNothing) {
+  TrafficMonitor monitor{TrafficOptions()};
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.0), std::nullopt);
+  EXPECT_FALSE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, BelievesTheScanAgainAfterALongWay) {
+  TrafficMonitor monitor{TrafficOptions()};
+  while (!monitor.carries_estimate()) monitor.Update(Scan(0.0), Road(0.2));
+  // A stand proves nothing: everything stands then.
+  for (int k = 0; k < 500; ++k) monitor.Update(Scan(0.0), Road(0.0));
+  EXPECT_TRUE(monitor.carries_estimate());
+  for (int k = 0; k < 90; ++k) monitor.Update(Scan(0.2), Road(0.2));
+  EXPECT_TRUE(monitor.carries_estimate()) << "18 m";
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.2), Road(0.2));
+  EXPECT_FALSE(monitor.carries_estimate()) << "22 m";
+}
+
+TEST(TrafficMonitor, TheFirstMotionTakesALargeMajority) {
+  TrafficMonitor monitor{TrafficOptions()};
+  std::optional<RoadMotion> road = Road(0.3);
+  EXPECT_TRUE(monitor.Start(Scan(0.0), *road));
+  EXPECT_FALSE(monitor.Start(Scan(0.29), *road)) << "they agree";
+  road->agreeing.resize(15);
+  EXPECT_FALSE(monitor.Start(Scan(0.0), *road)) << "15 of 40";
+}
+
+LaserFeature Feature(float x_m, float y_m, int32_t label) {
+  LaserFeature feature;
+  feature.p_lidar = {x_m, y_m, 0.0f};
+  feature.label = label;
+  return feature;
+}
+
+TEST(TrafficMonitor, LeavesTheGroundAndWhatStandsBeside) {
+  constexpr int32_t kLorry = kFirstClusterLabel, kHouse = kFirstClusterLabel + 1;
+  PreprocessedFrame frame;
+  for (auto* features : {&frame.features.sharp, &frame.features.flat, &frame.features.less_sharp,
+                         &frame.features.less_flat}) {
+    for (int i = 0; i < 5; ++i) {
+      features->push_back(Feature(3.0f, 2.5f, kLorry));
+      features->push_back(Feature(9.0f, 0.0f, kLabelGround));
+      features->push_back(Feature(3.0f, 14.0f, kHouse));
+    }
+  }
+  const Eigen::Vector2d nowhere = Eigen::Vector2d::Zero();
+  for (TrackId id = 0; id < 4; ++id) {
+    frame.tracks.tracks.push_back({id, 5, nowhere, nowhere, nowhere});
+  }
+  frame.tracks.tracks.push_back({4, 1, nowhere, nowhere, nowhere});
+  frame.depths.resize(5);
+  frame.depths[0].label = kLorry;
+  frame.depths[1].label = kLabelGround;   // agrees with the road
+  frame.depths[2].label = kLabelGround;   // a shadow
+  frame.depths[3].label = kLabelOutlier;  // above the lidar's sight
+  frame.depths[4].label = kLabelGround;   // seen for the first time
+  RoadMotion road;
+  road.agreeing = {1};
+  EXPECT_EQ(TrafficMonitor{TrafficOptions()}.RemoveTraffic(road, &frame), 3);
+  ASSERT_EQ(frame.depths.size(), 2u);
+  ASSERT_EQ(frame.tracks.tracks.size(), 2u);
+  EXPECT_EQ(frame.tracks.tracks[0].id, 1);
+  EXPECT_EQ(frame.tracks.tracks[1].id, 4);
+  for (const auto* features : {&frame.features.sharp, &frame.features.flat,
+                               &frame.features.less_sharp, &frame.features.less_flat}) {
+    ASSERT_EQ(features->size(), 10u);
+    for (const LaserFeature& feature : *features) EXPECT_NE(feature.label, kLorry);
+  }
+}
+
+}  // namespace
+}  // namespace tvl
