@@ -82,10 +82,12 @@ def _block(covariance, first):
 
 def step_figures(truth, run, T_cam0_lidar):
     """rms of the step errors by direction (mm, mdeg), and how honest the covariances are, of the
-    frames that claim to be tracked after one that does."""
+    frames that claim to be tracked after one that does. A frame that was delivered twice is exactly
+    where it was: it says so with a covariance of zero and is no measurement."""
     truth, estimate = to_lidar(truth, T_cam0_lidar), to_lidar(run.poses, T_cam0_lidar)
     claims = [k for k in range(1, len(truth)) if run.statuses[k] in judge.CLAIMS and
-              (k == 1 or run.statuses[k - 1] in judge.CLAIMS)]
+              (k == 1 or run.statuses[k - 1] in judge.CLAIMS) and
+              any(run.report["frames"][k]["step_covariance"])]
     errors = [step_error(truth, estimate, k) for k in claims]
     flat = [run.report["frames"][k]["step_covariance"] for k in claims]
     covariances = [[c[6 * i:6 * i + 6] for i in range(6)] for c in flat]

@@ -38,6 +38,9 @@ FeatureCloud WithoutLabels(const FeatureCloud& cloud, const std::vector<LaserFea
   return kept;
 }
 
+// A motion that differs by this much bends a raw scan by half of it at either end: as much as the
+// noise of a range.
+constexpr double kCompensatedAnew_m = 0.02;
 // Share of the strongest direction's information below which the camera does not hold a direction
 // that the lidar does not hold either.
 constexpr double kHeldByCamera = 0.0005;
@@ -129,11 +132,19 @@ TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypot
   TrackedPose tracked;
   EstimateMotion(frame, hypothesis, reference, executor, &tracked);
   times->odometry_ms += watch.LapMs();
-  RefineAgainstMap(frame, reference, executor, &tracked);
+  const Rigid3d T_odom_prior = tracked.T_odom_lidar;
+  RefineAgainstMap(frame, T_odom_prior, reference, executor, &tracked);
   if (!is_compensated() && tracked.is_measured && hypothesis.use_odometry) {
-    // The map step knows the motion better: the scan enters the map as that motion compensates it.
-    tracked.cloud =
-        Compensate(frame, tracked.Motion(reference.T_odom_prev), hypothesis.motion.duration_s());
+    // The map step knows the motion better: the scan enters the map as that motion compensates it,
+    // and is matched anew where that makes a difference.
+    const Rigid3d T_prev_cur = tracked.Motion(reference.T_odom_prev);
+    const double change_m = (T_prev_cur.t() - tracked.odometry.T_ref_body.t()).norm();
+    tracked.cloud = Compensate(frame, T_prev_cur, hypothesis.motion.duration_s());
+    if (change_m > kCompensatedAnew_m) {
+      RefineAgainstMap(frame, T_odom_prior, reference, executor, &tracked);
+      tracked.cloud = Compensate(frame, tracked.Motion(reference.T_odom_prev),
+                                 hypothesis.motion.duration_s());
+    }
   }
   if (frame.has_scan && !reference.map.empty()) {
     const std::vector<FitSample> sample =
@@ -146,14 +157,14 @@ TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypot
   return tracked;
 }
 
-void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame,
+void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame, const Rigid3d& T_odom_prior,
                                     const TrackingReference& reference, const Executor& executor,
                                     TrackedPose* tracked) const {
   if (reference.map.empty() || !reference.map_step_is_due) return;
   const auto& options = options_.mapping.scan_to_map;
   const MapStepPoints points = ThinForMapStep(tracked->cloud.planes.points,
                                               tracked->cloud.edges.points, options.source_voxel_m);
-  const PosePrior prior{tracked->T_odom_lidar, tracked->odometry.covariance,
+  const PosePrior prior{T_odom_prior, tracked->odometry.covariance,
                         tracked->odometry.T_ref_body.t().norm()};
   tracked->map_step = RefinePose(points, reference.map, reference.landmarks, frame.tracks,
                                  setup_.calibration.T_cam_lidar, prior, options, executor);
@@ -164,6 +175,7 @@ void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame,
   tracked->T_odom_lidar = tracked->map_step.estimate.T_ref_body;
   tracked->step_covariance = tracked->map_step.estimate.covariance;
   tracked->is_measured = true;
+  tracked->map_step_source.clear();
   for (const PlaneMatch& match : tracked->map_step.planes) {
     tracked->map_step_source.push_back(points.plane_index[match.source]);
   }

@@ -96,8 +96,9 @@ class FrameTracker {
   void EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
                       const TrackingReference& reference, const Executor& executor,
                       TrackedPose* tracked);
-  void RefineAgainstMap(const PreprocessedFrame& frame, const TrackingReference& reference,
-                        const Executor& executor, TrackedPose* tracked) const;
+  void RefineAgainstMap(const PreprocessedFrame& frame, const Rigid3d& T_odom_prior,
+                        const TrackingReference& reference, const Executor& executor,
+                        TrackedPose* tracked) const;
 
   SensorSetup setup_;
   Deskew deskew_;
