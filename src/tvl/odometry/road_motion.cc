@@ -122,6 +122,11 @@ void RoadMotionOptions::Check() const {
   TVL_CHECK_INPUT(max_sigma_m > 0.0) << "road_motion.max_sigma_m: must be positive";
 }
 
+Eigen::Matrix2d CovarianceOf(const RoadMotion& road) {
+  constexpr double kShared_m = 0.005;
+  return 2.0 * road.covariance_m2 + kShared_m * kShared_m * Eigen::Matrix2d::Identity();
+}
+
 std::optional<RoadMotion> MeasureRoadMotion(const VisualFeatures& previous,
                                             const VisualFeatures& current,
                                             const Calibration& calibration, const RoadGuess& guess,
@@ -141,7 +146,9 @@ std::optional<RoadMotion> MeasureRoadMotion(const VisualFeatures& previous,
     const double its_score = score(T);
     if (its_score > best_score) best = T, best_score = its_score;
   }
-  const RoadMotion motion = Refine(matches, best, calibration.T_cam_lidar, gate);
+  RoadMotion motion = Refine(matches, best, calibration.T_cam_lidar, gate);
+  motion.agreeing_with_guess =
+      CountAgreeing(matches, guess.T_prev_cur, calibration.T_cam_lidar, gate);
   const auto agreeing = static_cast<double>(motion.agreeing.size());
   if (agreeing < options.min_tracks || agreeing < options.min_share * motion.tracks) {
     return std::nullopt;

@@ -17,7 +17,7 @@ struct RoadMotionOptions {
   double max_relative_sigma = 0.15;  // of a depth: vaguer ones say nothing
   double gate_sigmas = 3.0;
   // So many tracks must agree, and this share of all: shadows of other vehicles move over the road
-  // with them. That eight of forty agree by chance is out of the question.
+  // with them.
   int min_tracks = 8;
   double min_share = 0.3;
   // A motion whose standard deviation along some direction is larger is none.
@@ -30,7 +30,12 @@ struct RoadMotion {
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Zero();  // of x and y
   int tracks = 0;                                           // on the road, seen in both images
   std::vector<size_t> agreeing;  // of them: indices into the current tracks
+  int agreeing_with_guess = 0;   // those that RoadGuess::T_prev_cur explains
 };
+
+// As a prior beside the tracks it was made of, which count again: of x and y, with what the tracks
+// share, such as an error of the road's slope. m^2.
+Eigen::Matrix2d CovarianceOf(const RoadMotion& road);
 
 // What is known of the motion beforehand.
 struct RoadGuess {

@@ -40,7 +40,7 @@ FeatureCloud WithoutLabels(const FeatureCloud& cloud, const std::vector<LaserFea
 
 // A motion that differs by this much bends a raw scan by half of it at either end: as much as the
 // noise of a range.
-constexpr double kCompensatedAnew_m = 0.02;
+constexpr double kCompensatedAnew_m = 0.02, kCompensatedAnew_rad = 0.002;  // 2 cm at 10 m
 // Share of the strongest direction's information below which the camera does not hold a direction
 // that the lidar does not hold either.
 constexpr double kHeldByCamera = 0.0005;
@@ -138,12 +138,14 @@ TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypot
     // The map step knows the motion better: the scan enters the map as that motion compensates it,
     // and is matched anew where that makes a difference.
     const Rigid3d T_prev_cur = tracked.Motion(reference.T_odom_prev);
-    const double change_m = (T_prev_cur.t() - tracked.odometry.T_ref_body.t()).norm();
+    const Rigid3d change = tracked.odometry.T_ref_body.Inverse() * T_prev_cur;
     tracked.cloud = Compensate(frame, T_prev_cur, hypothesis.motion.duration_s());
-    if (change_m > kCompensatedAnew_m) {
-      RefineAgainstMap(frame, T_odom_prior, reference, executor, &tracked);
-      tracked.cloud = Compensate(frame, tracked.Motion(reference.T_odom_prev),
-                                 hypothesis.motion.duration_s());
+    if (change.t().norm() > kCompensatedAnew_m || change.RotationAngle() > kCompensatedAnew_rad) {
+      TrackedPose anew = tracked;
+      RefineAgainstMap(frame, T_odom_prior, reference, executor, &anew);
+      if (anew.map_step.estimate.status != EstimateStatus::kPredicted) tracked = std::move(anew);
+      tracked.cloud =
+          Compensate(frame, tracked.Motion(reference.T_odom_prev), hypothesis.motion.duration_s());
     }
   }
   if (frame.has_scan && !reference.map.empty()) {

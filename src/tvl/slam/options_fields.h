@@ -383,13 +383,15 @@ void VisitFields(Visitor& visit, HealthOptions& options) {
 template <typename Visitor>
 void VisitFields(Visitor& visit, TrafficOptions& options) {
   TVL_FIELD(window_frames);
+  TVL_FIELD(min_slipping_frames);
   TVL_FIELD(min_slip_m);
   TVL_FIELD(slip_share);
-  TVL_FIELD(max_step_m);
+  TVL_FIELD(max_speed_m_s);
   TVL_FIELD(corridor_m);
   TVL_FIELD(min_start_tracks);
   TVL_FIELD(min_start_share);
   TVL_FIELD(release_m);
+  TVL_FIELD(max_frames_without_road);
 }
 
 template <typename Visitor>

@@ -28,8 +28,8 @@ constexpr double kSame_m = 0.05, kSame_rad = 0.005;
 constexpr double kExpectedSigmas = 4.0;
 // A pose so near to where it was expected needs no evidence where traffic hides the map.
 constexpr double kExpected_m = 0.1;
-// What the tracks on the road share, such as an error of the road's slope.
-constexpr double kRoadSigma_m = 0.005;
+// Further apart, two motions are told apart by the tracks near the vehicle.
+constexpr double kApart_m = 0.05;
 
 Matrix6d AlignedCovariance() {
   Vector6d variance;
@@ -123,7 +123,8 @@ int PoseFinder::RemoveTraffic(const FrameContext& context, PreprocessedFrame* fr
                               const Executor& executor) {
   whole_.reset();
   road_.reset();
-  if (!traffic_.carries_estimate() || !frame->has_scan) return 0;
+  const bool goes_on = was_measured_ || is_provisional_;
+  if (!traffic_.carries_estimate() || !frame->has_scan || !goes_on) return 0;
   const MotionPrediction predicted = Predict(context.interval);
   whole_ = Whole{frame->features, frame->tracks, frame->depths,
                  tracker_.EstimateOdometry(*frame, predicted, executor)};
@@ -139,8 +140,7 @@ MotionPrediction PoseFinder::Expect(const FrameInterval& interval) const {
   expected.covariance.block<3, 2>(0, 3).setZero();
   expected.covariance.block<2, 1>(3, 5).setZero();
   expected.covariance.block<1, 2>(5, 3).setZero();
-  expected.covariance.block<2, 2>(3, 3) =
-      road_->covariance_m2 + kRoadSigma_m * kRoadSigma_m * Eigen::Matrix2d::Identity();
+  expected.covariance.block<2, 2>(3, 3) = CovarianceOf(*road_);
   return expected;
 }
 
@@ -163,11 +163,24 @@ std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame
 std::optional<PoseFinder::Slip> PoseFinder::WatchTraffic(const PreprocessedFrame& frame,
                                                          const FoundPose& found,
                                                          const FrameContext& context) {
-  if (!motion_.known() || !was_measured_ || !IsMeasured(found.status)) return std::nullopt;
+  const bool is_measured = !whole_ || whole_->odometry.status == EstimateStatus::kConverged ||
+                           whole_->odometry.status == EstimateStatus::kNotConverged;
+  if (!motion_.known() || !was_measured_ || !IsMeasured(found.status) || found.bridge ||
+      !frame.has_scan || !is_measured) {
+    traffic_.Interrupt();
+    return std::nullopt;
+  }
+  const MotionPrediction predicted = Predict(context.interval);
   const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev_);
-  const std::optional<RoadMotion> road = MeasureRoad(frame, T_prev_cur, Predict(context.interval));
-  const Eigen::Vector2d slip_m =
-      traffic_.Update(whole_ ? whole_->odometry.T_ref_body : T_prev_cur, road);
+  std::optional<RoadMotion> road = MeasureRoad(frame, T_prev_cur, predicted);
+  if (road && !whole_) {
+    // Two motions, both with many tracks behind them: one of them is a shadow's.
+    const double apart_m = (road->T_prev_cur.t() - T_prev_cur.t()).head<2>().norm();
+    const auto agreeing = static_cast<double>(road->agreeing.size());
+    if (apart_m > kApart_m && road->agreeing_with_guess > 0.5 * agreeing) road.reset();
+  }
+  const Eigen::Vector2d slip_m = traffic_.Update(whole_ ? whole_->odometry.T_ref_body : T_prev_cur,
+                                                 road, predicted.duration_s());
   if (slip_m.isZero(0.0)) return std::nullopt;
   return Slip{Rigid3d::Translation(slip_m.x(), slip_m.y(), 0.0), road->T_prev_cur};
 }
@@ -229,20 +242,21 @@ TrackedPose PoseFinder::HeldForward(const PreprocessedFrame& frame,
   return held;
 }
 
-// After a leap or while lost, a pose is believed if its scan lies on the map as usual, or if two
-// frames in a row lie clearly better there than anywhere else.
-bool PoseFinder::IsAmongTraffic(const Search& search) const {
+bool PoseFinder::IsAmongTraffic(const FrameInterval& interval, const Search& search) const {
+  if (!road_ && interval.verdict != StampVerdict::kRegular) return false;
   if (!whole_ || !was_measured_ || !search.best.tracked.is_measured) return false;
   const Rigid3d innovation = search.T_odom_expected.Inverse() * search.best.tracked.T_odom_lidar;
   return innovation.t().norm() < kExpected_m;
 }
 
-Health PoseFinder::Judge(const Search& search) const {
+// After a leap or while lost, a pose is believed if its scan lies on the map as usual, or if two
+// frames in a row lie clearly better there than anywhere else.
+Health PoseFinder::Judge(const FrameInterval& interval, const Search& search) const {
   const bool was_lost = !was_measured_ && !is_provisional_;
   const bool is_unfounded = search.best.tracked.fit.judged < options_.health.min_judged;
   if (is_provisional_ && is_unfounded) return Health::kBad;
   const Health health = health_.Judge(search.best.tracked, search.T_odom_expected, was_lost);
-  if (IsAmongTraffic(search)) return std::min(health, Health::kSuspicious);
+  if (IsAmongTraffic(interval, search)) return std::min(health, Health::kSuspicious);
   const bool needs_confirmation = is_provisional_ && health == Health::kSuspicious;
   return needs_confirmation && !IsClearWinner(search) ? Health::kBad : health;
 }
@@ -302,14 +316,15 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   search.best.tracked = tracker_.Follow(frame, hypothesis, search.reference, executor, times);
   search.ends.emplace_back(search.best.tracked.T_odom_lidar, search.best.tracked.fit);
 
-  Health health = Judge(search);
+  Health health = Judge(context.interval, search);
   const bool is_doubtful =
       context.is_doubtful || !is_settled_ || context.interval.verdict != StampVerdict::kRegular;
-  if (frame.has_scan && !IsAmongTraffic(search) && (is_doubtful || health != Health::kGood)) {
+  if (frame.has_scan && !IsAmongTraffic(context.interval, search) &&
+      (is_doubtful || health != Health::kGood)) {
     if (was_measured_ || is_provisional_) TryMotions(frame, context, &search);
-    health = Judge(search);
+    health = Judge(context.interval, search);
     if (!was_measured_ || health != Health::kGood) TryAlignments(frame, context, &search);
-    health = Judge(search);
+    health = Judge(context.interval, search);
   }
   const bool is_clear = health == Health::kBad && IsClearWinner(search);
   FoundPose found = std::move(search.best);
@@ -317,6 +332,9 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   found.status = StatusOf(frame, found.tracked, health);
   // The step makes up for what the traffic had carried the poses away by.
   const bool is_correction = was_carried_away_ && IsMeasured(found.status);
+  if (is_correction) {
+    found.tracked.step_covariance.block<2, 2>(3, 3) += slip_m_ * slip_m_.transpose();
+  }
   found.is_uncertain =
       is_correction || (found.status == FrameStatus::kDegraded && IsStepUncertain(found.tracked));
   if (!IsMeasured(found.status) && is_clear) {
@@ -337,7 +355,9 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
   const TrackedPose& tracked = found.tracked;
   const std::optional<Slip> slip = WatchTraffic(frame, found, context);
   was_carried_away_ = slip.has_value();
-  if (whole_) {
+  if (slip) slip_m_ = slip->T_slip.t().head<2>();
+  const bool among_traffic = whole_.has_value();
+  if (among_traffic) {
     frame.features = std::move(whole_->features);
     frame.tracks = std::move(whole_->tracks);
     frame.depths = std::move(whole_->depths);
@@ -360,7 +380,7 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
     }
   }
   if (is_measured) {
-    health_.Learn(tracked);
+    if (!among_traffic) health_.Learn(tracked);
     T_odom_known_ = tracked.T_odom_lidar;
     periods_unknown_ = 0;
     covariance_unknown_.setZero();

@@ -119,12 +119,12 @@ class PoseFinder {
                                         const MotionPrediction& predicted) const;
   // Where traffic was taken out, the motion over the road is what is expected.
   MotionPrediction Expect(const FrameInterval& interval) const;
-  // Compares the estimate with the motion over the road.
   // Where the estimate is found to have been carried away: by how much, and the true motion.
   struct Slip {
     Rigid3d T_slip;
     Rigid3d T_prev_cur;
   };
+  // Compares the estimate with the motion over the road.
   std::optional<Slip> WatchTraffic(const PreprocessedFrame& frame, const FoundPose& found,
                                    const FrameContext& context);
   FoundPose First(const PreprocessedFrame& frame, const FrameContext& context) const;
@@ -134,19 +134,18 @@ class PoseFinder {
                           const LandmarkMap& landmarks, const Executor& executor, StageTimes* times,
                           KeyframeCloud* previous_cloud);
   // Where the road contradicts the first motion, it is what is followed.
-  void FollowRoad(const PreprocessedFrame& frame, const FrameContext& context,
-                  const LandmarkMap& landmarks, const Executor& executor, StageTimes* times,
-                  FoundPose* best);
+  void FollowRoad(const PreprocessedFrame& frame, const LandmarkMap& landmarks,
+                  const Executor& executor, StageTimes* times, FoundPose* best);
   void TryMotions(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
   void TryAlignments(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
   // Of coarse alignments, those with the smallest misfit as they are, best first.
   std::vector<Rigid3d> BestLying(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                                  const LocalMap& map,
                                  const std::vector<Rigid3d>& T_odom_lidar) const;
-  // Whether the best hypothesis is where road and prediction have it, and traffic hides what would
-  // tell: how little is left of the scan lies on the map says nothing then.
-  bool IsAmongTraffic(const Search& search) const;
-  Health Judge(const Search& search) const;
+  // Whether the best hypothesis is where it was expected, by the road if that is known, and traffic
+  // hides what would tell: how the rest of the scan lies on the map says nothing then.
+  bool IsAmongTraffic(const FrameInterval& interval, const Search& search) const;
+  Health Judge(const FrameInterval& interval, const Search& search) const;
   // Whether the best hypothesis lies clearly better than all others that ended elsewhere.
   bool IsClearWinner(const Search& search) const;
   FrameStatus StatusOf(const PreprocessedFrame& frame, const TrackedPose& tracked,
@@ -170,10 +169,11 @@ class PoseFinder {
   std::optional<Whole> whole_;
   std::optional<RoadMotion> road_;  // there, if it is known
   bool was_carried_away_ = false;
-  bool has_first_ = false;       // a scan has been seen
-  bool was_measured_ = false;    // the last frame's pose
-  bool is_provisional_ = false;  // FoundPose::is_provisional of the last frame
-  bool is_settled_ = false;      // it was where constant velocity had it
+  Eigen::Vector2d slip_m_ = Eigen::Vector2d::Zero();  // then, by how much
+  bool has_first_ = false;                            // a scan has been seen
+  bool was_measured_ = false;                         // the last frame's pose
+  bool is_provisional_ = false;                       // FoundPose::is_provisional of the last frame
+  bool is_settled_ = false;                           // it was where constant velocity had it
   int frames_ = 0;
   int periods_unknown_ = 0;  // since the last known pose
   Rigid3d T_odom_prev_, T_odom_known_;

@@ -89,7 +89,7 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
     best.previous_cloud = std::move(previous);
     best.origin = PoseOrigin::kPrediction;
   }
-  FollowRoad(frame, context, landmarks, executor, times, &best);
+  FollowRoad(frame, landmarks, executor, times, &best);
   tracker_.Advance(last_, *best.previous_cloud);
   best.hypotheses = static_cast<int>(starts.size());
   if (tracker_.is_compensated()) best.previous_cloud.reset();
@@ -99,20 +99,23 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
   return best;
 }
 
-void PoseFinder::FollowRoad(const PreprocessedFrame& frame, const FrameContext& context,
-                            const LandmarkMap& landmarks, const Executor& executor,
-                            StageTimes* times, FoundPose* best) {
+void PoseFinder::FollowRoad(const PreprocessedFrame& frame, const LandmarkMap& landmarks,
+                            const Executor& executor, StageTimes* times, FoundPose* best) {
   const std::optional<RoadMotion> road =
       tracker_.MeasureRoad(frame, {best->tracked.Motion(T_odom_prev_)});
-  if (!road || !traffic_.Start(best->tracked.Motion(T_odom_prev_), *road)) return;
+  if (!road || !traffic_.Start(best->tracked.Motion(T_odom_prev_), *road,
+                               best->tracked.start.duration_s())) {
+    return;
+  }
   PreprocessedFrame without = frame;
   traffic_.RemoveTraffic(road, &without);
-  MotionPrediction start = Predict(context.interval);
+  MotionPrediction start = best->tracked.start;
   start.T_prev_cur = road->T_prev_cur;
   start.known = true;
-  start.covariance.block<2, 2>(3, 3) = road->covariance_m2;
+  start.covariance.block<2, 2>(3, 3) = CovarianceOf(*road);
   KeyframeCloud previous;
   best->tracked = FollowStart(without, start, landmarks, executor, times, &previous);
+  best->tracked.map_step_source.clear();  // indices into the features that are left
   best->tracked.cloud =
       tracker_.Compensate(frame, best->tracked.Motion(T_odom_prev_), start.duration_s());
   best->previous_cloud = std::move(previous);

@@ -17,7 +17,7 @@ constexpr float kNearest_m = 0.5f;  // nearer the projection flies off with any 
 constexpr float kFarthestRoad_m = 25.0f;
 
 RoadView ViewRoad(const SegmentedScan& scan, const Calibration& calibration) {
-  constexpr size_t kEvery = 2;  // column of the scan: three pixels apart
+  constexpr size_t kEvery = 2;  // point of a ring: three pixels apart with an HDL-64E
   const Eigen::Matrix3f R = calibration.T_cam_lidar.R().cast<float>();
   const Eigen::Vector3f t = calibration.T_cam_lidar.t().cast<float>();
   RoadView view;

@@ -31,7 +31,7 @@ struct PreprocessingOptions {
   DepthOptions depth;
   // With fewer tracks on the road than three quarters of this, so many are looked for there, beside
   // the others. In a jam the lettering on lorries has the stronger corners, and only the road
-  // stands still. That a quarter of them agree by chance is out of the question.
+  // stands still.
   int road_features = 40;
   // The extrinsics were estimated from points without the profile's vertical correction, and have
   // absorbed it where the camera looks: true of KITTI's own (measured on drive 2011_09_26_0052),

@@ -11,6 +11,10 @@
 namespace tvl {
 namespace {
 
+// At a stand traffic and road agree whatever the traffic does next; noise of the steps is less.
+constexpr double kMoving_m = 0.03;
+constexpr double kSigmas = 3.0;
+
 // Clusters most of whose points lie in the corridor.
 std::set<int32_t> ClustersWithin(const LaserFeatures& features, double corridor_m) {
   struct Count {
@@ -42,7 +46,11 @@ void TrafficOptions::Check() const {
   TVL_CHECK_INPUT(window_frames >= 1) << "traffic.window_frames: must be at least 1";
   TVL_CHECK_INPUT(min_slip_m > 0.0) << "traffic.min_slip_m: must be positive";
   TVL_CHECK_INPUT(slip_share >= 0.0) << "traffic.slip_share: must not be negative";
-  TVL_CHECK_INPUT(max_step_m > 0.0) << "traffic.max_step_m: must be positive";
+  TVL_CHECK_INPUT(min_slipping_frames >= 1 && min_slipping_frames <= window_frames)
+      << "traffic.min_slipping_frames: want 1 to traffic.window_frames";
+  TVL_CHECK_INPUT(max_speed_m_s > 0.0) << "traffic.max_speed_m_s: must be positive";
+  TVL_CHECK_INPUT(max_frames_without_road >= 1)
+      << "traffic.max_frames_without_road: must be at least 1";
   TVL_CHECK_INPUT(corridor_m > 0.0) << "traffic.corridor_m: must be positive";
   TVL_CHECK_INPUT(min_start_tracks >= 1) << "traffic.min_start_tracks: must be at least 1";
   TVL_CHECK_INPUT(min_start_share > 0.0 && min_start_share <= 1.0)
@@ -58,6 +66,7 @@ void TrafficMonitor::Forget() {
   window_.clear();
   carries_ = false;
   agreeing_m_ = 0.0;
+  frames_without_road_ = 0;
 }
 
 Eigen::Vector2d TrafficMonitor::Slip_m() const {
@@ -67,31 +76,50 @@ Eigen::Vector2d TrafficMonitor::Slip_m() const {
 }
 
 bool TrafficMonitor::IsSlipping() const {
+  const Eigen::Vector2d slip_m = Slip_m();
+  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Zero();
   double path_m = 0.0;
-  for (const Slip& frame : window_) path_m += frame.step_m;
-  return Slip_m().norm() > options_.min_slip_m + options_.slip_share * path_m;
+  int slipping = 0;
+  for (const Slip& frame : window_) {
+    covariance_m2 += frame.covariance_m2;
+    path_m += frame.step_m;
+    // A quarter of what each frame would have to contribute.
+    slipping += frame.slip_m.dot(slip_m) > 0.25 * slip_m.squaredNorm() / options_.window_frames;
+  }
+  const double length_m = slip_m.norm();
+  if (length_m <= 0.0 || slipping < options_.min_slipping_frames) return false;
+  const double sigma_m = std::sqrt(slip_m.dot(covariance_m2 * slip_m)) / length_m;
+  return length_m > options_.min_slip_m + options_.slip_share * path_m + kSigmas * sigma_m;
 }
 
-bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road) {
+bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s) {
   Forget();
   const auto agreeing = static_cast<double>(road.agreeing.size());
   const double step_m = road.T_prev_cur.t().head<2>().norm();
   const double slip_m = (road.T_prev_cur.t() - T_prev_cur.t()).head<2>().norm();
   carries_ = agreeing >= options_.min_start_tracks &&
-             agreeing >= options_.min_start_share * road.tracks && step_m < options_.max_step_m &&
+             agreeing >= options_.min_start_share * road.tracks &&
+             step_m < options_.max_speed_m_s * duration_s &&
              slip_m > options_.min_slip_m + options_.slip_share * step_m;
   return carries_;
 }
 
 Eigen::Vector2d TrafficMonitor::Update(const Rigid3d& T_prev_cur,
-                                       const std::optional<RoadMotion>& road) {
-  if (!road) return Eigen::Vector2d::Zero();
-  const double step_m = road->T_prev_cur.t().head<2>().norm();
-  if (step_m > options_.max_step_m) {
+                                       const std::optional<RoadMotion>& road, double duration_s) {
+  const Rigid3d& motion = road ? road->T_prev_cur : T_prev_cur;
+  const double step_m = motion.t().head<2>().norm();
+  frames_without_road_ = road ? 0 : frames_without_road_ + 1;
+  if (step_m > options_.max_speed_m_s * duration_s ||
+      frames_without_road_ > options_.max_frames_without_road) {
     Forget();
     return Eigen::Vector2d::Zero();
   }
-  window_.push_back({(road->T_prev_cur.t() - T_prev_cur.t()).head<2>(), step_m});
+  if (!road) {
+    Interrupt();
+    return Eigen::Vector2d::Zero();
+  }
+  const Eigen::Vector2d slip_m = (road->T_prev_cur.t() - T_prev_cur.t()).head<2>();
+  window_.push_back({slip_m, road->covariance_m2, step_m});
   if (window_.size() > static_cast<size_t>(options_.window_frames)) window_.pop_front();
   const bool is_slipping = IsSlipping();
   if (!carries_) {
@@ -99,7 +127,8 @@ Eigen::Vector2d TrafficMonitor::Update(const Rigid3d& T_prev_cur,
     agreeing_m_ = 0.0;
     return carries_ ? Slip_m() : Eigen::Vector2d::Zero();
   }
-  agreeing_m_ = is_slipping ? 0.0 : agreeing_m_ + step_m;
+  if (is_slipping) agreeing_m_ = 0.0;
+  if (!is_slipping && step_m > kMoving_m) agreeing_m_ += step_m;
   if (agreeing_m_ > options_.release_m) Forget();
   return Eigen::Vector2d::Zero();
 }

@@ -1,7 +1,7 @@
 // Whether the traffic around the vehicle carries the estimate with it. In a jam lorries and cars
 // are most of what the lidar sees, and moving together they look like a world that stands. The road
-// does not move: where the motion over it (road_motion.h) and the estimate drift apart, steadily,
-// what stands on the road is no longer believed.
+// does not move: where the motion over it (road_motion.h) and the estimate drift apart for several
+// frames in the same direction, what stands on the road is no longer believed.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,13 +14,15 @@
 namespace tvl {
 
 struct TrafficOptions {
-  // The estimate is carried away if, over so many frames, it falls behind the road by so much, and
-  // by this share of the way. Camera and lidar, in good order, differ by less (measured on KITTI
+  //   // The estimate is carried away if, over so many frames, it differs from the road by so much,
+  //   this
+  // share of the way, and three standard deviations of the road's motion, and so many of the frames
+  // differ in that direction. Camera and lidar, in good order, differ by less (measured on KITTI
   // and KITTI-360: 0.007 m a frame at walking speed, 4 % of a step at 10 m/s, either sign).
-  int window_frames = 5;
+  int window_frames = 5, min_slipping_frames = 3;
   double min_slip_m = 0.04, slip_share = 0.04;
-  // Faster than this (6 m/s), traffic is not dense enough to hide everything else.
-  double max_step_m = 0.6;
+  // Faster than this, traffic is not dense enough to hide everything else.
+  double max_speed_m_s = 6.0;
   // What stands so near to the line of travel may be traffic: two lanes to each side.
   double corridor_m = 8.0;
   // Of the first motion: so many tracks must agree, and this share, to overrule the scan at once.
@@ -29,6 +31,9 @@ struct TrafficOptions {
   // What stands beside the vehicle is believed again when it has moved as the road does for so long
   // a way: no queue stands beside one that moves for longer.
   double release_m = 20.0;
+  // ... or when the road has not been seen for so many frames: without it nothing overrules the
+  // scan.
+  int max_frames_without_road = 20;
   void Check() const;  // throws InputError naming the field
 };
 
@@ -36,11 +41,16 @@ class TrafficMonitor {
  public:
   explicit TrafficMonitor(const TrafficOptions& options);
 
-  // The motion of the vehicle as the scan as a whole says, and as the road does. Returns how far
-  // the estimate has been carried away when that is noticed, else zero: x, y in the lidar frame, m.
-  Eigen::Vector2d Update(const Rigid3d& T_prev_cur, const std::optional<RoadMotion>& road);
+  //   // The motion of the vehicle over duration_s, as the scan as a whole says and as the road
+  //   does.
+  // Returns how far the estimate has been carried away when that is noticed, else zero: x, y in the
+  // lidar frame, m.
+  Eigen::Vector2d Update(const Rigid3d& T_prev_cur, const std::optional<RoadMotion>& road,
+                         double duration_s);
+  // The poses before and after do not belong together, or the scan said nothing.
+  void Interrupt() { window_.clear(); }
   // Of the first motion there is, which nothing was expected of. Returns carries_estimate().
-  bool Start(const Rigid3d& T_prev_cur, const RoadMotion& road);
+  bool Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s);
   // The estimate would be carried away: what may be traffic is to be left out.
   bool carries_estimate() const { return carries_; }
   void Forget();
@@ -53,6 +63,7 @@ class TrafficMonitor {
  private:
   struct Slip {
     Eigen::Vector2d slip_m;  // of the estimate against the road, x and y in the lidar frame
+    Eigen::Matrix2d covariance_m2;
     double step_m;
   };
   Eigen::Vector2d Slip_m() const;
@@ -62,6 +73,7 @@ class TrafficMonitor {
   std::deque<Slip> window_;
   bool carries_ = false;
   double agreeing_m_ = 0.0;  // way since the scan last contradicted the road
+  int frames_without_road_ = 0;
 };
 
 }  // namespace tvl

@@ -13,6 +13,8 @@ std::optional<RoadMotion> Road(double x_m) {
   return road;
 }
 
+constexpr double kPeriod_s = 0.1;
+
 Rigid3d Scan(double x_m) { return Rigid3d::Translation(x_m, 0.0, 0.0); }
 
 TEST(TrafficMonitor, NoticesASteadySlip) {
@@ -20,7 +22,7 @@ TEST(TrafficMonitor, NoticesASteadySlip) {
   double slip_m = 0.0;
   int frames = 0;
   while (!monitor.carries_estimate() && frames < 20) {
-    slip_m = monitor.Update(Scan(0.08), Road(0.10)).norm();
+    slip_m = monitor.Update(Scan(0.08), Road(0.10), kPeriod_s).norm();
     ++frames;
   }
   EXPECT_TRUE(monitor.carries_estimate());
@@ -31,41 +33,57 @@ TEST(TrafficMonitor, NoticesASteadySlip) {
 TEST(TrafficMonitor, TakesNoiseForNoSlip) {
   TrafficMonitor monitor{TrafficOptions()};
   for (int k = 0; k < 200; ++k)
-    monitor.Update(Scan(0.10 + (k % 2 == 0 ? 0.015 : -0.015)), Road(0.10));
+    monitor.Update(Scan(0.10 + (k % 2 == 0 ? 0.015 : -0.015)), Road(0.10), kPeriod_s);
   EXPECT_FALSE(monitor.carries_estimate());
 }
 
 TEST(TrafficMonitor, FastTrafficIsNoJam) {
   TrafficMonitor monitor{TrafficOptions()};
-  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.7), Road(1.0));
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.7), Road(1.0), kPeriod_s);
   EXPECT_FALSE(monitor.carries_estimate());
 }
 
 TEST(TrafficMonitor, ARoadThatIsNotSeenSaysNothing) {
   TrafficMonitor monitor{TrafficOptions()};
-  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.0), std::nullopt);
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.0), std::nullopt, kPeriod_s);
+  EXPECT_FALSE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, OneLeapIsNoSlip) {
+  TrafficMonitor monitor{TrafficOptions()};
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(k == 10 ? -0.1 : 0.1), Road(0.1), kPeriod_s);
+  EXPECT_FALSE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, WithoutTheRoadTheScanIsBelievedAgain) {
+  TrafficMonitor monitor{TrafficOptions()};
+  for (int k = 0; k < 5; ++k) monitor.Update(Scan(0.0), Road(0.2), kPeriod_s);
+  EXPECT_TRUE(monitor.carries_estimate());
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.0), std::nullopt, kPeriod_s);
+  EXPECT_TRUE(monitor.carries_estimate());
+  monitor.Update(Scan(0.0), std::nullopt, kPeriod_s);
   EXPECT_FALSE(monitor.carries_estimate());
 }
 
 TEST(TrafficMonitor, BelievesTheScanAgainAfterALongWay) {
   TrafficMonitor monitor{TrafficOptions()};
-  while (!monitor.carries_estimate()) monitor.Update(Scan(0.0), Road(0.2));
+  while (!monitor.carries_estimate()) monitor.Update(Scan(0.0), Road(0.2), kPeriod_s);
   // A stand proves nothing: everything stands then.
-  for (int k = 0; k < 500; ++k) monitor.Update(Scan(0.0), Road(0.0));
+  for (int k = 0; k < 500; ++k) monitor.Update(Scan(0.0), Road(0.0), kPeriod_s);
   EXPECT_TRUE(monitor.carries_estimate());
-  for (int k = 0; k < 90; ++k) monitor.Update(Scan(0.2), Road(0.2));
+  for (int k = 0; k < 90; ++k) monitor.Update(Scan(0.2), Road(0.2), kPeriod_s);
   EXPECT_TRUE(monitor.carries_estimate()) << "18 m";
-  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.2), Road(0.2));
+  for (int k = 0; k < 20; ++k) monitor.Update(Scan(0.2), Road(0.2), kPeriod_s);
   EXPECT_FALSE(monitor.carries_estimate()) << "22 m";
 }
 
 TEST(TrafficMonitor, TheFirstMotionTakesALargeMajority) {
   TrafficMonitor monitor{TrafficOptions()};
   std::optional<RoadMotion> road = Road(0.3);
-  EXPECT_TRUE(monitor.Start(Scan(0.0), *road));
-  EXPECT_FALSE(monitor.Start(Scan(0.29), *road)) << "they agree";
+  EXPECT_TRUE(monitor.Start(Scan(0.0), *road, kPeriod_s));
+  EXPECT_FALSE(monitor.Start(Scan(0.29), *road, kPeriod_s)) << "they agree";
   road->agreeing.resize(15);
-  EXPECT_FALSE(monitor.Start(Scan(0.0), *road)) << "15 of 40";
+  EXPECT_FALSE(monitor.Start(Scan(0.0), *road, kPeriod_s)) << "15 of 40";
 }
 
 LaserFeature Feature(float x_m, float y_m, int32_t label) {

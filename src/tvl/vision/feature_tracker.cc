@@ -220,7 +220,7 @@ void FeatureTracker::Detect(const ImagePyramid& current, const cv::Mat& grey, co
 
 std::vector<FeatureTrack> FeatureTracker::AddOnRoad(const RoadView& road, int count,
                                                     const Camera& camera) {
-  if (previous_.empty() || road.road_px.empty()) return {};
+  if (grey_.empty() || road.road_px.empty()) return {};
   CornerSearch search;
   search.count = count;
   search.occupied_px = Positions(tracks_);
@@ -258,7 +258,7 @@ FeatureTrackerState FeatureTracker::state() const {
 
 void FeatureTracker::set_state(const FeatureTrackerState& state) {
   previous_ = state.grey.empty() ? ImagePyramid() : ImagePyramid(state.grey.clone(), options_.flow);
-  grey_ = state.grey;
+  grey_.release();  // AddOnRoad follows a Track
   tracks_ = state.tracks;
   next_id_ = state.next_id;
 }

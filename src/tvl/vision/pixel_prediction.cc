@@ -1,7 +1,5 @@
 #include "tvl/vision/pixel_prediction.h"
 
-#include <algorithm>
-
 #include "tvl/base/check.h"
 #include "tvl/vision/ground_warp.h"
 
@@ -9,10 +7,12 @@ namespace tvl {
 namespace {
 
 constexpr double kNearest_m = 0.5;  // nearer the projection flies off with any error
-// A patch that grows by more than this changes under the optical flow's window.
+// A patch that grows by more than this changes under the optical flow's window ...
 constexpr double kWarpingGrowth = 1.15;
-// Fewer are not worth warping the image for.
-constexpr int kMinWarping = 10;
+// ... and one that grows by more than this is lost by it, or followed short. The image is warped if
+// there are so many of these.
+constexpr double kLostGrowth = 1.2;
+constexpr int kMinLost = 10;
 
 // Depth of a track: as measured, or that of the ground's plane; 0: not known.
 double DepthOf_m(const FeatureTrack& track, const VisualDepth& depth,
@@ -31,18 +31,18 @@ PixelPredictions PredictPixels(const FeatureTracks& tracks, const VisualDepths& 
   const std::optional<Eigen::Vector3d> ground_inverse_m = FitGroundPlane(tracks, depths);
   const bool can_warp = ground_inverse_m && !camera.IsDistorted();
   PixelPredictions predictions;
+  int lost = 0;
   for (size_t i = 0; i < depths.size(); ++i) {
     const FeatureTrack& track = tracks.tracks[i];
     const double depth_m = DepthOf_m(track, depths[i], ground_inverse_m);
     const Eigen::Vector3d p_cur = T_cur_prev * (depth_m * track.ray_cam.homogeneous());
     if (depth_m <= 0.0 || p_cur.z() < kNearest_m) continue;
-    const bool warps =
-        can_warp && depths[i].label == kLabelGround && depth_m > kWarpingGrowth * p_cur.z();
+    const bool can_warp_here = can_warp && depths[i].label == kLabelGround;
+    const bool warps = can_warp_here && depth_m > kWarpingGrowth * p_cur.z();
+    lost += can_warp_here && depth_m > kLostGrowth * p_cur.z();
     predictions.pixels.push_back({track.id, camera.Project(p_cur.hnormalized()), warps});
   }
-  const auto warping = std::count_if(predictions.pixels.begin(), predictions.pixels.end(),
-                                     [](const PixelPrediction& pixel) { return pixel.warps; });
-  if (warping >= kMinWarping) {
+  if (lost >= kMinLost) {
     predictions.H_cur_prev_ground = PlaneHomography(*ground_inverse_m, T_cur_prev, camera);
   }
   return predictions;
