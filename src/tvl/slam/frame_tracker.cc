@@ -41,6 +41,9 @@ FeatureCloud WithoutLabels(const FeatureCloud& cloud, const std::vector<LaserFea
 // A motion that differs by this much bends a raw scan by half of it at either end: as much as the
 // noise of a range.
 constexpr double kCompensatedAnew_m = 0.02, kCompensatedAnew_rad = 0.002;  // 2 cm at 10 m
+// More than any driving explains in a tenth of a second (20 m/s^2): the scan took another time than
+// the motion, which is for another hypothesis to say.
+constexpr double kOtherPeriod_m = 0.2;
 // Share of the strongest direction's information below which the camera does not hold a direction
 // that the lidar does not hold either.
 constexpr double kHeldByCamera = 0.0005;
@@ -140,7 +143,9 @@ TrackedPose FrameTracker::Follow(const PreprocessedFrame& frame, const PoseHypot
     const Rigid3d T_prev_cur = tracked.Motion(reference.T_odom_prev);
     const Rigid3d change = tracked.odometry.T_ref_body.Inverse() * T_prev_cur;
     tracked.cloud = Compensate(frame, T_prev_cur, hypothesis.motion.duration_s());
-    if (change.t().norm() > kCompensatedAnew_m || change.RotationAngle() > kCompensatedAnew_rad) {
+    const bool bends =
+        change.t().norm() > kCompensatedAnew_m || change.RotationAngle() > kCompensatedAnew_rad;
+    if (bends && change.t().norm() < kOtherPeriod_m) {
       TrackedPose anew = tracked;
       RefineAgainstMap(frame, T_odom_prior, reference, executor, &anew);
       if (anew.map_step.estimate.status != EstimateStatus::kPredicted) tracked = std::move(anew);
