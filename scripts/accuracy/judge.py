@@ -3,9 +3,10 @@
 A SILENT ERROR is a frame whose status is `tracked` or `degraded` and whose step T_{k-1,k} from the
 frame delivered before is off by more than 0.3 m or 3 deg. Where the frame before was not tracked
 itself, its pose was no claim, and the frame is judged by the motion since the last frame that was,
-or by its absolute pose, whichever is nearer to the reference; after a frame that was `predicted`, which
-says that some direction is dead reckoning and drifts, by its step from there, too. A frame with which the map begins anew
-(`map_begins_anew`) says that the way to it is not known: the frames after it are judged from there.
+or by its absolute pose, whichever is nearer to the reference; after a frame that was `predicted`,
+which says that some direction is dead reckoning and drifts, by its step from there, too. A frame with
+which the map begins anew (`map_begins_anew`) says that the way to it is not known: the frames after it
+are judged from there.
 """
 
 import dataclasses

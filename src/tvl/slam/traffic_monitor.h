@@ -14,8 +14,7 @@
 namespace tvl {
 
 struct TrafficOptions {
-  //   // The estimate is carried away if, over so many frames, it differs from the road by so much,
-  //   this
+  // The estimate is carried away if, over so many frames, it differs from the road by so much, this
   // share of the way, and three standard deviations of the road's motion, and so many of the frames
   // differ in that direction. Camera and lidar, in good order, differ by less (measured on KITTI
   // and KITTI-360: 0.007 m a frame at walking speed, 4 % of a step at 10 m/s, either sign).
@@ -41,8 +40,7 @@ class TrafficMonitor {
  public:
   explicit TrafficMonitor(const TrafficOptions& options);
 
-  //   // The motion of the vehicle over duration_s, as the scan as a whole says and as the road
-  //   does.
+  // The motion of the vehicle over duration_s, as the scan as a whole says and as the road does.
   // Returns how far the estimate has been carried away when that is noticed, else zero: x, y in the
   // lidar frame, m.
   Eigen::Vector2d Update(const Rigid3d& T_prev_cur, const std::optional<RoadMotion>& road,
