@@ -17,11 +17,6 @@ constexpr int kIterations = 5;
 // ratio): by chance one in twenty does.
 constexpr double kLogOddsOfTrack = 3.0;
 
-bool IsOnRoad(const VisualDepth& depth, const RoadMotionOptions& options) {
-  return depth.status == DepthStatus::kOk && depth.label == kLabelGround &&
-         depth.sigma_m < options.max_relative_sigma * depth.depth_m;
-}
-
 // Tracks of the road seen in both images, as matches of the previous lidar frame.
 std::vector<ReprojectionMatch> RoadMatches(const VisualFeatures& previous,
                                            const VisualFeatures& current,
@@ -29,7 +24,7 @@ std::vector<ReprojectionMatch> RoadMatches(const VisualFeatures& previous,
                                            const RoadMotionOptions& options) {
   VisualFeatures road;
   for (size_t i = 0; i < previous.depths.size(); ++i) {
-    if (!IsOnRoad(previous.depths[i], options)) continue;
+    if (previous.depths[i].label != kLabelGround) continue;
     road.tracks.tracks.push_back(previous.tracks.tracks[i]);
     road.depths.push_back(previous.depths[i]);
   }
@@ -113,13 +108,13 @@ RoadMotion Refine(const std::vector<ReprojectionMatch>& matches, Rigid3d T,
 }  // namespace
 
 void RoadMotionOptions::Check() const {
-  TVL_CHECK_INPUT(sigma_px > 0.0) << "road_motion.sigma_px: must be positive";
-  TVL_CHECK_INPUT(max_relative_sigma > 0.0) << "road_motion.max_relative_sigma: must be positive";
-  TVL_CHECK_INPUT(gate_sigmas > 0.0) << "road_motion.gate_sigmas: must be positive";
-  TVL_CHECK_INPUT(min_tracks >= 2) << "road_motion.min_tracks: must be at least 2";
+  TVL_CHECK_INPUT(sigma_px > 0.0) << "odometry.road.sigma_px: must be positive";
+  TVL_CHECK_INPUT(max_relative_sigma > 0.0) << "odometry.road.max_relative_sigma: must be positive";
+  TVL_CHECK_INPUT(gate_sigmas > 0.0) << "odometry.road.gate_sigmas: must be positive";
+  TVL_CHECK_INPUT(min_tracks >= 2) << "odometry.road.min_tracks: must be at least 2";
   TVL_CHECK_INPUT(min_share > 0.0 && min_share <= 1.0)
-      << "road_motion.min_share: must lie in 0..1, and not be 0";
-  TVL_CHECK_INPUT(max_sigma_m > 0.0) << "road_motion.max_sigma_m: must be positive";
+      << "odometry.road.min_share: must lie in 0..1, and not be 0";
+  TVL_CHECK_INPUT(max_sigma_m > 0.0) << "odometry.road.max_sigma_m: must be positive";
 }
 
 Eigen::Matrix2d CovarianceOf(const RoadMotion& road) {

@@ -133,15 +133,16 @@ int PoseFinder::RemoveTraffic(const FrameContext& context, PreprocessedFrame* fr
 }
 
 MotionPrediction PoseFinder::Expect(const FrameInterval& interval) const {
-  MotionPrediction expected = Predict(interval);
-  if (!road_) return expected;
-  expected.T_prev_cur = road_->T_prev_cur;
-  expected.covariance.block<2, 3>(3, 0).setZero();
-  expected.covariance.block<3, 2>(0, 3).setZero();
-  expected.covariance.block<2, 1>(3, 5).setZero();
-  expected.covariance.block<1, 2>(5, 3).setZero();
-  expected.covariance.block<2, 2>(3, 3) = CovarianceOf(*road_);
-  return expected;
+  const MotionPrediction predicted = Predict(interval);
+  return road_ ? OverRoad(predicted, *road_) : predicted;
+}
+
+MotionPrediction PoseFinder::OverRoad(MotionPrediction motion, const RoadMotion& road) {
+  motion.T_prev_cur = road.T_prev_cur;
+  motion.covariance.middleRows<2>(3).setZero();
+  motion.covariance.middleCols<2>(3).setZero();
+  motion.covariance.block<2, 2>(3, 3) = CovarianceOf(road);
+  return motion;
 }
 
 std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame,

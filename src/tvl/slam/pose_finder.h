@@ -119,6 +119,8 @@ class PoseFinder {
                                         const MotionPrediction& predicted) const;
   // Where traffic was taken out, the motion over the road is what is expected.
   MotionPrediction Expect(const FrameInterval& interval) const;
+  // x and y of a motion as the road has them.
+  static MotionPrediction OverRoad(MotionPrediction motion, const RoadMotion& road);
   // Where the estimate is found to have been carried away: by how much, and the true motion.
   struct Slip {
     Rigid3d T_slip;

@@ -109,10 +109,8 @@ void PoseFinder::FollowRoad(const PreprocessedFrame& frame, const LandmarkMap& l
   }
   PreprocessedFrame without = frame;
   traffic_.RemoveTraffic(road, &without);
-  MotionPrediction start = best->tracked.start;
-  start.T_prev_cur = road->T_prev_cur;
+  MotionPrediction start = OverRoad(best->tracked.start, *road);
   start.known = true;
-  start.covariance.block<2, 2>(3, 3) = CovarianceOf(*road);
   KeyframeCloud previous;
   best->tracked = FollowStart(without, start, landmarks, executor, times, &previous);
   best->tracked.map_step_source.clear();  // indices into the features that are left
