@@ -392,6 +392,8 @@ void VisitFields(Visitor& visit, TrafficOptions& options) {
   TVL_FIELD(min_start_share);
   TVL_FIELD(release_m);
   TVL_FIELD(max_frames_without_road);
+  TVL_FIELD(min_moving_misfit);
+  TVL_FIELD(max_surroundings_sigma_m);
 }
 
 template <typename Visitor>

@@ -28,6 +28,10 @@ constexpr double kSame_m = 0.05, kSame_rad = 0.005;
 constexpr double kExpectedSigmas = 4.0;
 // A pose so near to where it was expected needs no evidence where traffic hides the map.
 constexpr double kExpected_m = 0.1;
+// What moves about the vehicle does so for a second at least.
+constexpr int kMovingThingsStay_frames = 10;
+// By so much things in a jam move in a frame (3 m/s), and a pose that only they bear out with them.
+constexpr double kCarriedAlong_m = 0.3;
 // Further apart, two motions are told apart by the tracks near the vehicle.
 constexpr double kApart_m = 0.05;
 
@@ -161,6 +165,37 @@ std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame
   return is_expected ? road : std::nullopt;
 }
 
+void PoseFinder::CompareWithSurroundings(const PreprocessedFrame& frame,
+                                         const FrameContext& context, const Search& search,
+                                         FoundPose* found) {
+  surroundings_.reset();
+  if (!frame.has_scan || !frame.tracks.tracks.empty() || !IsMeasured(found->status)) return;
+  TrackedPose& tracked = found->tracked;
+  if (whole_) {
+    surroundings_ = traffic_.Surroundings(tracked.Motion(T_odom_prev_), tracked.step_covariance,
+                                          Expect(context.interval));
+    return;
+  }
+  const bool is_among = traffic_.IsAmongMovingThings(
+      frame.features, tracked.fit, tracked.Motion(T_odom_prev_), tracked.start.duration_s());
+  moving_things_frames_ =
+      is_among ? kMovingThingsStay_frames : std::max(0, moving_things_frames_ - 1);
+  if (moving_things_frames_ == 0) return;
+  PreprocessedFrame beside = frame;
+  traffic_.RemoveTraffic(std::nullopt, &beside);
+  const MotionPrediction expected = Expect(context.interval);
+  const PoseHypothesis hypothesis = PoseHypothesis::Of(expected, T_odom_prev_);
+  const TrackedPose by_rest =
+      tracker_.Follow(beside, hypothesis, search.reference, search.executor, search.times);
+  if (by_rest.is_measured) {
+    surroundings_ =
+        traffic_.Surroundings(by_rest.Motion(T_odom_prev_), by_rest.step_covariance, expected);
+  }
+  if (surroundings_ && !traffic_.Contradicts(*surroundings_, tracked.Motion(T_odom_prev_))) return;
+  found->is_uncertain = true;
+  found->carried_along_sigma_m = kCarriedAlong_m;
+}
+
 std::optional<PoseFinder::Slip> PoseFinder::WatchTraffic(const PreprocessedFrame& frame,
                                                          const FoundPose& found,
                                                          const FrameContext& context) {
@@ -173,17 +208,22 @@ std::optional<PoseFinder::Slip> PoseFinder::WatchTraffic(const PreprocessedFrame
   }
   const MotionPrediction predicted = Predict(context.interval);
   const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev_);
-  std::optional<RoadMotion> road = MeasureRoad(frame, T_prev_cur, predicted);
+  std::optional<RoadMotion> road;
+  if (traffic_.MayBeAmongTraffic(T_prev_cur, predicted.duration_s())) {
+    road = MeasureRoad(frame, T_prev_cur, predicted);
+  }
   if (road && !whole_) {
     // Two motions, both with many tracks behind them: one of them is a shadow's.
     const double apart_m = (road->T_prev_cur.t() - T_prev_cur.t()).head<2>().norm();
     const auto agreeing = static_cast<double>(road->agreeing.size());
     if (apart_m > kApart_m && road->agreeing_with_guess > 0.5 * agreeing) road.reset();
   }
+  std::optional<StandingMotion> standing = surroundings_;
+  if (road) standing = StandingMotion{road->T_prev_cur, road->covariance_m2, true};
   const Eigen::Vector2d slip_m = traffic_.Update(whole_ ? whole_->odometry.T_ref_body : T_prev_cur,
-                                                 road, predicted.duration_s());
+                                                 standing, predicted.duration_s());
   if (slip_m.isZero(0.0)) return std::nullopt;
-  return Slip{Rigid3d::Translation(slip_m.x(), slip_m.y(), 0.0), road->T_prev_cur};
+  return Slip{Rigid3d::Translation(slip_m.x(), slip_m.y(), 0.0), standing->T_prev_cur};
 }
 
 void PoseFinder::TryMotions(const PreprocessedFrame& frame, const FrameContext& context,
@@ -348,6 +388,7 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   } else if (periods_unknown_ > 0) {
     found.bridge = Bridge{T_odom_known_, periods_unknown_ + context.interval.periods};
   }
+  CompareWithSurroundings(frame, context, search, &found);
   return found;
 }
 

@@ -57,8 +57,11 @@ struct FoundPose {
   // is believed, and written to the map, only when a later scan lies on the map as usual.
   bool is_provisional = false;
   // Measured, but along some direction the vehicle may have moved by more than a claim allows:
-  // nothing but prediction has held it for too long.
+  // nothing but prediction has held it for too long, or what moves around may carry it along.
   bool is_uncertain = false;
+  // Only moving things bear the pose out: beyond its covariance the step may be off along and
+  // across the road by so much, one standard deviation.
+  double carried_along_sigma_m = 0.0;
   std::optional<Bridge> bridge;
   // The first motion of raw scans also compensates the scan before it: its features, anew.
   std::optional<KeyframeCloud> previous_cloud;
@@ -126,7 +129,11 @@ class PoseFinder {
     Rigid3d T_slip;
     Rigid3d T_prev_cur;
   };
-  // Compares the estimate with the motion over the road.
+  // Lidar alone, among moving things: what stands beside the corridor tells whether the pose is
+  // carried away; where it does not tell, the pose is uncertain.
+  void CompareWithSurroundings(const PreprocessedFrame& frame, const FrameContext& context,
+                               const Search& search, FoundPose* found);
+  // Compares the estimate with the motion over the road, or against the surroundings.
   std::optional<Slip> WatchTraffic(const PreprocessedFrame& frame, const FoundPose& found,
                                    const FrameContext& context);
   FoundPose First(const PreprocessedFrame& frame, const FrameContext& context) const;
@@ -169,7 +176,9 @@ class PoseFinder {
     MotionEstimate odometry;
   };
   std::optional<Whole> whole_;
-  std::optional<RoadMotion> road_;  // there, if it is known
+  std::optional<RoadMotion> road_;              // there, if it is known
+  std::optional<StandingMotion> surroundings_;  // of the last frame, where it was asked for
+  int moving_things_frames_ = 0;                // for so many more, things move about the vehicle
   bool was_carried_away_ = false;
   Eigen::Vector2d slip_m_ = Eigen::Vector2d::Zero();  // then, by how much
   bool has_first_ = false;                            // a scan has been seen

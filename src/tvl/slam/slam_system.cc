@@ -244,6 +244,8 @@ void SlamSystem::Describe(const PreprocessedFrame& frame, const FoundPose& found
   result->T_odom_lidar = found.tracked.T_odom_lidar;
   result->status = found.status;
   result->step_covariance = found.tracked.step_covariance;
+  result->step_covariance.block<2, 2>(3, 3).diagonal().array() +=
+      found.carried_along_sigma_m * found.carried_along_sigma_m;
   result->odometry = found.tracked.odometry;
   result->map_step = found.tracked.map_step;
   result->map_step.planes.clear();

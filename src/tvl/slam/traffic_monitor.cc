@@ -1,5 +1,6 @@
 #include "tvl/slam/traffic_monitor.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,7 +16,8 @@ namespace {
 constexpr double kMoving_m = 0.03;
 constexpr double kSigmas = 3.0;
 
-// Clusters most of whose points lie in the corridor.
+// Clusters most of whose points lie in the corridor. What has no flat points is a post or a trunk,
+// and no vehicle.
 std::set<int32_t> ClustersWithin(const LaserFeatures& features, double corridor_m) {
   struct Count {
     int points = 0, inside = 0;
@@ -51,6 +53,10 @@ void TrafficOptions::Check() const {
   TVL_CHECK_INPUT(max_speed_m_s > 0.0) << "traffic.max_speed_m_s: must be positive";
   TVL_CHECK_INPUT(max_frames_without_road >= 1)
       << "traffic.max_frames_without_road: must be at least 1";
+  TVL_CHECK_INPUT(min_moving_misfit > 0.0 && min_moving_misfit < 1.0)
+      << "traffic.min_moving_misfit: must lie between 0 and 1";
+  TVL_CHECK_INPUT(max_surroundings_sigma_m > 0.0)
+      << "traffic.max_surroundings_sigma_m: must be positive";
   TVL_CHECK_INPUT(corridor_m > 0.0) << "traffic.corridor_m: must be positive";
   TVL_CHECK_INPUT(min_start_tracks >= 1) << "traffic.min_start_tracks: must be at least 1";
   TVL_CHECK_INPUT(min_start_share > 0.0 && min_start_share <= 1.0)
@@ -86,10 +92,21 @@ bool TrafficMonitor::IsSlipping() const {
     // A quarter of what each frame would have to contribute.
     slipping += frame.slip_m.dot(slip_m) > 0.25 * slip_m.squaredNorm() / options_.window_frames;
   }
-  const double length_m = slip_m.norm();
-  if (length_m <= 0.0 || slipping < options_.min_slipping_frames) return false;
-  const double sigma_m = std::sqrt(slip_m.dot(covariance_m2 * slip_m)) / length_m;
-  return length_m > options_.min_slip_m + options_.slip_share * path_m + kSigmas * sigma_m;
+  if (slipping < options_.min_slipping_frames) return false;
+  return IsSignificant({slip_m, covariance_m2, path_m});
+}
+
+bool TrafficMonitor::IsSignificant(const Slip& slip) const {
+  const double length_m = slip.slip_m.norm();
+  if (length_m <= 0.0) return false;
+  const double sigma_m = std::sqrt(slip.slip_m.dot(slip.covariance_m2 * slip.slip_m)) / length_m;
+  return length_m > options_.min_slip_m + options_.slip_share * slip.step_m + kSigmas * sigma_m;
+}
+
+bool TrafficMonitor::Contradicts(const StandingMotion& standing, const Rigid3d& T_prev_cur) const {
+  const Eigen::Vector2d slip_m = (standing.T_prev_cur.t() - T_prev_cur.t()).head<2>();
+  return !standing.is_road &&
+         IsSignificant({slip_m, standing.covariance_m2, standing.T_prev_cur.t().head<2>().norm()});
 }
 
 bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s) {
@@ -105,25 +122,27 @@ bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road, do
 }
 
 Eigen::Vector2d TrafficMonitor::Update(const Rigid3d& T_prev_cur,
-                                       const std::optional<RoadMotion>& road, double duration_s) {
-  const Rigid3d& motion = road ? road->T_prev_cur : T_prev_cur;
+                                       const std::optional<StandingMotion>& standing,
+                                       double duration_s) {
+  const Rigid3d& motion = standing ? standing->T_prev_cur : T_prev_cur;
   const double step_m = motion.t().head<2>().norm();
-  frames_without_road_ = road ? 0 : frames_without_road_ + 1;
-  if (step_m > options_.max_speed_m_s * duration_s ||
+  frames_without_road_ = standing ? 0 : frames_without_road_ + 1;
+  if (!MayBeAmongTraffic(motion, duration_s) ||
       frames_without_road_ > options_.max_frames_without_road) {
     Forget();
     return Eigen::Vector2d::Zero();
   }
-  if (!road) {
+  if (!standing) {
     Interrupt();
     return Eigen::Vector2d::Zero();
   }
-  const Eigen::Vector2d slip_m = (road->T_prev_cur.t() - T_prev_cur.t()).head<2>();
-  window_.push_back({slip_m, road->covariance_m2, step_m});
+  const Eigen::Vector2d slip_m = (standing->T_prev_cur.t() - T_prev_cur.t()).head<2>();
+  window_.push_back({slip_m, standing->covariance_m2, step_m});
   if (window_.size() > static_cast<size_t>(options_.window_frames)) window_.pop_front();
   const bool is_slipping = IsSlipping();
   if (!carries_) {
-    carries_ = is_slipping;
+    if (Contradicts(*standing, T_prev_cur)) window_.erase(window_.begin(), window_.end() - 1);
+    carries_ = is_slipping || Contradicts(*standing, T_prev_cur);
     agreeing_m_ = 0.0;
     return carries_ ? Slip_m() : Eigen::Vector2d::Zero();
   }
@@ -131,6 +150,38 @@ Eigen::Vector2d TrafficMonitor::Update(const Rigid3d& T_prev_cur,
   if (!is_slipping && step_m > kMoving_m) agreeing_m_ += step_m;
   if (agreeing_m_ > options_.release_m) Forget();
   return Eigen::Vector2d::Zero();
+}
+
+bool TrafficMonitor::IsAmongMovingThings(const LaserFeatures& features, const MapFit& fit,
+                                         const Rigid3d& T_prev_cur, double duration_s) const {
+  constexpr double kEnough = 50.0;  // points that can be judged
+  if (!MayBeAmongTraffic(T_prev_cur, duration_s)) return false;
+  const std::set<int32_t> labels = ClustersWithin(features, options_.corridor_m);
+  double judged = 0.0, cost = 0.0;
+  for (size_t i = 0; i < fit.label.size(); ++i) {
+    if (labels.count(fit.label[i]) == 0) continue;
+    const auto weight = static_cast<double>(fit.weight[i]);
+    judged += weight;
+    cost += weight * static_cast<double>(fit.cost[i]);
+  }
+  return judged > kEnough && cost > options_.min_moving_misfit * judged;
+}
+
+std::optional<StandingMotion> TrafficMonitor::Surroundings(const Rigid3d& found,
+                                                           const Matrix6d& covariance,
+                                                           const MotionPrediction& expected) const {
+  const Eigen::Matrix2d information = covariance.block<2, 2>(3, 3).inverse();
+  const Eigen::Matrix2d measured = information - expected.covariance.block<2, 2>(3, 3).inverse();
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(measured).eigenvalues()[0];
+  const double max_sigma_m = options_.max_surroundings_sigma_m;
+  if (!(least * max_sigma_m * max_sigma_m >= 1.0)) return std::nullopt;
+  const Eigen::Vector2d expected_m = expected.T_prev_cur.t().head<2>();
+  const Eigen::Vector2d innovation_m = found.t().head<2>() - expected_m;
+  StandingMotion standing{found, measured.inverse(), false};
+  Eigen::Vector3d t = found.t();
+  t.head<2>() = expected_m + standing.covariance_m2 * information * innovation_m;
+  standing.T_prev_cur = Rigid3d(found.q(), t);
+  return standing;
 }
 
 int TrafficMonitor::RemoveTraffic(const std::optional<RoadMotion>& road,

@@ -1,7 +1,8 @@
 // Whether the traffic around the vehicle carries the estimate with it. In a jam lorries and cars
 // are most of what the lidar sees, and moving together they look like a world that stands. The road
-// does not move: where the motion over it (road_motion.h) and the estimate drift apart for several
-// frames in the same direction, what stands on the road is no longer believed.
+// does not move, nor does what stands beside it: where the motion over the road (road_motion.h), or
+// against what stands beside it, and the estimate drift apart for several frames in the same
+// direction, what stands on the road is no longer believed.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +10,9 @@
 #include <optional>
 
 #include "tvl/frame/preprocessed_frame.h"
+#include "tvl/mapping/map_fit.h"
 #include "tvl/odometry/road_motion.h"
+#include "tvl/slam/motion_model.h"
 
 namespace tvl {
 
@@ -33,22 +36,52 @@ struct TrafficOptions {
   // ... or when the road has not been seen for so many frames: without it nothing overrules the
   // scan.
   int max_frames_without_road = 20;
+  // What stands in the corridor moves, at least in part, where so much of it lies off the map (mean
+  // cost, as MapFit::mean). Streets that stand still: up to 0.08 (KITTI, KITTI-360, hedges and
+  // parked cars); among moving cars 0.23 to 0.31 (drive 0052).
+  double min_moving_misfit = 0.12;
+  // What stands beside the corridor tells the motion if its standard deviation, without what was
+  // expected, is no larger: 0.3 m, by which no claimed step may be off, are four of them.
+  double max_surroundings_sigma_m = 0.075;
   void Check() const;  // throws InputError naming the field
+};
+
+// A motion by what certainly stands: the road, or what is beside it.
+struct StandingMotion {
+  Rigid3d T_prev_cur;
+  Eigen::Matrix2d covariance_m2;  // of x and y
+  // Shadows move over the road with those who cast them: what it says in a single frame decides
+  // nothing.
+  bool is_road = true;
 };
 
 class TrafficMonitor {
  public:
   explicit TrafficMonitor(const TrafficOptions& options);
 
-  // The motion of the vehicle over duration_s, as the scan as a whole says and as the road does.
-  // Returns how far the estimate has been carried away when that is noticed, else zero: x, y in the
-  // lidar frame, m.
-  Eigen::Vector2d Update(const Rigid3d& T_prev_cur, const std::optional<RoadMotion>& road,
+  // The motion of the vehicle over duration_s, as the scan as a whole says and as what certainly
+  // stands does. Returns how far the estimate has been carried away when that is noticed, else
+  // zero: x, y in the lidar frame, m.
+  Eigen::Vector2d Update(const Rigid3d& T_prev_cur, const std::optional<StandingMotion>& standing,
                          double duration_s);
+  // Slow enough for traffic to be dense.
+  bool MayBeAmongTraffic(const Rigid3d& T_prev_cur, double duration_s) const {
+    return T_prev_cur.t().head<2>().norm() <= options_.max_speed_m_s * duration_s;
+  }
   // The poses before and after do not belong together, or the scan said nothing.
   void Interrupt() { window_.clear(); }
   // Of the first motion there is, which nothing was expected of. Returns carries_estimate().
   bool Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s);
+  // Whether what stands in the corridor moves, at least in part: `fit` is that of the frame's
+  // points, the motion took duration_s.
+  bool IsAmongMovingThings(const LaserFeatures& features, const MapFit& fit,
+                           const Rigid3d& T_prev_cur, double duration_s) const;
+  // The motion by a frame without traffic, where that tells: `found` with its covariance, from
+  // which what was `expected` is taken out again.
+  std::optional<StandingMotion> Surroundings(const Rigid3d& found, const Matrix6d& covariance,
+                                             const MotionPrediction& expected) const;
+  // Whether a motion of the whole scan cannot be true beside `standing`, from this frame alone.
+  bool Contradicts(const StandingMotion& standing, const Rigid3d& T_prev_cur) const;
   // The estimate would be carried away: what may be traffic is to be left out.
   bool carries_estimate() const { return carries_; }
   void Forget();
@@ -60,12 +93,14 @@ class TrafficMonitor {
 
  private:
   struct Slip {
-    Eigen::Vector2d slip_m;  // of the estimate against the road, x and y in the lidar frame
+    Eigen::Vector2d slip_m;  // of the estimate against what stands, x and y in the lidar frame
     Eigen::Matrix2d covariance_m2;
     double step_m;
   };
   Eigen::Vector2d Slip_m() const;
   bool IsSlipping() const;
+  // More than what the two differ by in good order.
+  bool IsSignificant(const Slip& slip) const;
 
   TrafficOptions options_;
   std::deque<Slip> window_;

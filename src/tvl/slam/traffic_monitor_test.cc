@@ -5,12 +5,8 @@
 namespace tvl {
 namespace {
 
-std::optional<RoadMotion> Road(double x_m) {
-  RoadMotion road;
-  road.T_prev_cur = Rigid3d::Translation(x_m, 0.0, 0.0);
-  road.tracks = 40;
-  road.agreeing.assign(30, 0);
-  return road;
+std::optional<StandingMotion> Road(double x_m) {
+  return StandingMotion{Rigid3d::Translation(x_m, 0.0, 0.0), Eigen::Matrix2d::Zero(), true};
 }
 
 constexpr double kPeriod_s = 0.1;
@@ -79,11 +75,43 @@ TEST(TrafficMonitor, BelievesTheScanAgainAfterALongWay) {
 
 TEST(TrafficMonitor, TheFirstMotionTakesALargeMajority) {
   TrafficMonitor monitor{TrafficOptions()};
-  std::optional<RoadMotion> road = Road(0.3);
-  EXPECT_TRUE(monitor.Start(Scan(0.0), *road, kPeriod_s));
-  EXPECT_FALSE(monitor.Start(Scan(0.29), *road, kPeriod_s)) << "they agree";
-  road->agreeing.resize(15);
-  EXPECT_FALSE(monitor.Start(Scan(0.0), *road, kPeriod_s)) << "15 of 40";
+  RoadMotion road;
+  road.T_prev_cur = Rigid3d::Translation(0.3, 0.0, 0.0);
+  road.tracks = 40;
+  road.agreeing.assign(30, 0);
+  EXPECT_TRUE(monitor.Start(Scan(0.0), road, kPeriod_s));
+  EXPECT_FALSE(monitor.Start(Scan(0.29), road, kPeriod_s)) << "they agree";
+  road.agreeing.resize(15);
+  EXPECT_FALSE(monitor.Start(Scan(0.0), road, kPeriod_s)) << "15 of 40";
+}
+
+TEST(TrafficMonitor, WhatStandsBesideTheRoadDecidesInASingleFrame) {
+  TrafficMonitor monitor{TrafficOptions()};
+  const StandingMotion beside{Rigid3d::Translation(0.3, 0.0, 0.0),
+                              Eigen::Matrix2d::Identity() * (0.03 * 0.03), false};
+  EXPECT_FALSE(monitor.Contradicts(beside, Scan(0.2))) << "three standard deviations and a slip";
+  EXPECT_TRUE(monitor.Contradicts(beside, Scan(0.0)));
+  EXPECT_NEAR(monitor.Update(Scan(0.0), beside, kPeriod_s).x(), 0.3, 1e-9);
+  EXPECT_TRUE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, TakesTheExpectedOutOfWhatTheSurroundingsSay) {
+  const TrafficMonitor monitor{TrafficOptions()};
+  MotionPrediction expected;
+  expected.T_prev_cur = Rigid3d::Translation(0.1, 0.0, 0.0);
+  expected.covariance = Matrix6d::Identity() * (0.05 * 0.05);
+  // Measured: 0.3 m, as well as the prediction knows it. Found: in the middle.
+  const Matrix6d covariance = 0.5 * expected.covariance;
+  const auto beside = monitor.Surroundings(Scan(0.2), covariance, expected);
+  ASSERT_TRUE(beside.has_value());
+  EXPECT_NEAR(beside->T_prev_cur.t().x(), 0.3, 1e-9);
+  EXPECT_NEAR(beside->covariance_m2(0, 0), 0.05 * 0.05, 1e-12);
+  EXPECT_FALSE(monitor.Surroundings(Scan(0.1), expected.covariance, expected).has_value())
+      << "nothing but what was expected";
+  Matrix6d along = covariance;
+  along(3, 3) = 0.9 * expected.covariance(3, 3);
+  EXPECT_FALSE(monitor.Surroundings(Scan(0.1), along, expected).has_value())
+      << "walls along the road tell nothing of the way along it";
 }
 
 LaserFeature Feature(float x_m, float y_m, int32_t label) {
@@ -91,6 +119,30 @@ LaserFeature Feature(float x_m, float y_m, int32_t label) {
   feature.p_lidar = {x_m, y_m, 0.0f};
   feature.label = label;
   return feature;
+}
+
+TEST(TrafficMonitor, ThingsThatLieOffTheMapInTheCorridorMove) {
+  constexpr int32_t kLorry = kFirstClusterLabel, kHouse = kFirstClusterLabel + 1;
+  LaserFeatures features;
+  MapFit fit;
+  for (int i = 0; i < 100; ++i) {
+    features.less_flat.push_back(Feature(3.0f, 2.5f, kLorry));
+    features.less_flat.push_back(Feature(3.0f, 14.0f, kHouse));
+    fit.label.insert(fit.label.end(), {kLorry, kHouse});
+    fit.cost.insert(fit.cost.end(), {i < 20 ? 1.0f : 0.0f, 0.0f});
+    fit.weight.insert(fit.weight.end(), {1.0f, 1.0f});
+  }
+  const TrafficMonitor monitor{TrafficOptions()};
+  EXPECT_TRUE(monitor.IsAmongMovingThings(features, fit, Scan(0.1), kPeriod_s));
+  EXPECT_FALSE(monitor.IsAmongMovingThings(features, fit, Scan(0.7), kPeriod_s)) << "at speed";
+  MapFit house = fit, unknown = fit;
+  for (size_t i = 0; i < fit.cost.size(); ++i) {
+    house.cost[i] = fit.label[i] == kHouse && i < 80 ? 1.0f : 0.0f;
+    unknown.weight[i] = 0.2f;
+  }
+  EXPECT_FALSE(monitor.IsAmongMovingThings(features, house, Scan(0.1), kPeriod_s)) << "beside";
+  EXPECT_FALSE(monitor.IsAmongMovingThings(features, unknown, Scan(0.1), kPeriod_s))
+      << "the map hardly knows the place";
 }
 
 TEST(TrafficMonitor, LeavesTheGroundAndWhatStandsBeside) {
