@@ -48,10 +48,10 @@ Deskew ChooseDeskew(const ShowArguments& arguments, const SensorSetup& setup) {
 }
 
 // The points of a frame at its stamp, as depth association got them.
-std::vector<Eigen::Vector3f> PointsForDepth(const SlamSystem& system) {
-  const SegmentedScan& scan = system.last_frame().scan;
-  return DeskewPoints(scan.points, scan.time_offset_s, system.last_motion().T_prev_cur,
-                      system.last_motion().period_s);
+std::vector<Eigen::Vector3f> PointsForDepth(const FrameTrace& trace) {
+  const SegmentedScan& scan = trace.frame.scan;
+  return DeskewPoints(scan.points, scan.time_offset_s, trace.motion.T_prev_cur,
+                      trace.motion.period_s);
 }
 
 std::string Faults(const SensorFrame& frame) {
@@ -60,9 +60,9 @@ std::string Faults(const SensorFrame& frame) {
   return text;
 }
 
-cv::Mat DrawStage(const std::string& stage, const SensorFrame& frame, const SlamSystem& system,
+cv::Mat DrawStage(const std::string& stage, const SensorFrame& frame, const FrameTrace& trace,
                   const SensorSetup& setup) {
-  const PreprocessedFrame& data = system.last_frame();
+  const PreprocessedFrame& data = trace.frame;
   if (stage == "tracks" || stage == "depth") {
     TVL_CHECK_INPUT(data.has_image)
         << "frame " << frame.id << " has no usable image" << Faults(frame);
@@ -73,7 +73,7 @@ cv::Mat DrawStage(const std::string& stage, const SensorFrame& frame, const Slam
   if (stage == "features") {
     return DrawFeatures(frame.image, data.features, data.tracks, data.depths, setup.calibration);
   }
-  return DrawDepths(frame.image, data.tracks, data.depths, PointsForDepth(system),
+  return DrawDepths(frame.image, data.tracks, data.depths, PointsForDepth(trace),
                     setup.calibration.camera, setup.calibration.T_cam_lidar);
 }
 
@@ -82,12 +82,13 @@ cv::Mat DrawOneFrame(const ShowArguments& arguments, const Dataset& dataset) {
   const Executor executor(1);
   SlamSystem system(dataset.setup(), ChooseDeskew(arguments, dataset.setup()), options);
   SensorFrame frame;
+  FrameTrace trace;
   for (size_t k = arguments.frame - std::min(kLeadFrames, arguments.frame); k <= arguments.frame;
        ++k) {
     frame = dataset.Frame(k);
-    system.ProcessFrame(frame, executor);
+    system.ProcessFrame(frame, executor, &trace);
   }
-  return DrawStage(arguments.stage, frame, system, system.setup());
+  return DrawStage(arguments.stage, frame, trace, system.setup());
 }
 
 cv::Mat DrawMapUpTo(const ShowArguments& arguments, const Dataset& dataset) {

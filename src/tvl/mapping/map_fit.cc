@@ -72,6 +72,20 @@ void MapFitOptions::Check() const {
   TVL_CHECK_INPUT(max_points >= 50) << "map_fit.max_points: must be at least 50";
 }
 
+double Evidence(const MapFit& fit) { return fit.judged * (1.0 - 2.0 * fit.mean); }
+
+double EvidenceSigmas(const MapFit& fit, int correlated) {
+  double variance = 0.0;
+  for (size_t i = 0; i < fit.cost.size(); ++i) {
+    const double weighted = static_cast<double>(fit.weight[i]);
+    const double excess = 2.0 * (static_cast<double>(fit.cost[i]) - fit.mean);
+    variance += weighted * weighted * (excess * excess);
+  }
+  // At least as uncertain as if one group of neighbours were all wrong.
+  const double group = correlated;
+  return Evidence(fit) / std::sqrt(group * variance + group * group);
+}
+
 std::vector<FitSample> SampleForFit(const std::vector<LaserFeature>& features,
                                     const MapFitOptions& options) {
   const auto max_range_m = static_cast<float>(options.max_range_m);

@@ -40,6 +40,12 @@ struct MapFit {
   double mean = 1.0;    // weighted mean cost; 1 if no point can be judged
 };
 
+// By how many points more the scan lies on the map than off it: sum of weight (1 - 2 cost). What a
+// pose has to show for itself beside others elsewhere, where the map knows more or less.
+double Evidence(const MapFit& fit);
+// The same in standard errors. Neighbouring points share their errors, see Compare.
+double EvidenceSigmas(const MapFit& fit, int correlated = 4);
+
 // A point to judge.
 struct FitSample {
   uint32_t index;  // of the feature

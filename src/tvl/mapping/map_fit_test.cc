@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <numeric>
 
 #include "tvl/base/check.h"
@@ -75,6 +77,34 @@ TEST(MapFit, TheUnknownAheadIsNotHeldAgainstAPose) {
   EXPECT_LT(ahead.judged, 0.7 * static_cast<double>(ahead.cost.size()));
   const FitComparison comparison = Compare(ahead, FitAt(map, 25.0));
   EXPECT_GT(comparison.better, 3.0 * comparison.standard_error);
+}
+
+TEST(Evidence, CountsPointsOnTheMapAgainstPointsOffIt) {
+  MapFit fit;
+  for (int i = 0; i < 160; ++i) {
+    fit.cost.push_back(i % 4 == 0 ? 1.0f : 0.0f);
+    fit.weight.push_back(0.5f);
+  }
+  fit.judged = 80.0;
+  fit.mean = 0.25;
+  EXPECT_NEAR(Evidence(fit), 60.0 - 20.0, 1e-9);
+  // By hand: each point's 1 - 2 c has the variance 0.75, a quarter of it after the weight, and four
+  // neighbours count as one.
+  EXPECT_NEAR(EvidenceSigmas(fit), 40.0 / std::sqrt(4.0 * 160.0 * 0.25 * 0.75 + 16.0), 1e-9);
+  MapFit nothing;
+  EXPECT_EQ(EvidenceSigmas(nothing), 0.0);
+}
+
+// Where the map knows more, a pose has more to show for itself, for or against it.
+TEST(Evidence, SpeaksForTheRightPoseAndAgainstOthers) {
+  const Executor executor(1);
+  const LocalMap map = Street(executor);
+  EXPECT_GT(EvidenceSigmas(FitAt(map, 0.0)), 5.0);
+  EXPECT_GT(EvidenceSigmas(FitAt(map, 28.0)), 3.0) << "half of it is unknown";
+  EXPECT_LT(Evidence(FitAt(map, 28.0)), Evidence(FitAt(map, 0.0)));
+  for (const double off_m : {-3.0, 3.0}) {
+    EXPECT_LT(Evidence(FitAt(map, off_m)), 0.5 * Evidence(FitAt(map, 0.0))) << off_m;
+  }
 }
 
 TEST(MapFit, EqualPosesAreNoBetter) {

@@ -362,7 +362,8 @@ void VisitFields(Visitor& visit, PoseSearchOptions& options) {
   TVL_FIELD(radius_m);
   TVL_FIELD(start_radius_m);
   TVL_FIELD(yaw_window_rad);
-  TVL_FIELD(lost_yaw_window_rad);
+  TVL_FIELD(lost_yaw_rate_rad_per_s);
+  TVL_FIELD(max_yaw_window_rad);
   TVL_FIELD(min_height_m);
   TVL_FIELD(max_followed);
   TVL_FIELD(bev);

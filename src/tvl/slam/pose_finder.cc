@@ -18,10 +18,12 @@ constexpr double kAlignedReach_m = 1.0;
 constexpr double kElsewhere_m = 0.5;
 // Where the stamps are in doubt, so is which motion is the most probable.
 constexpr double kDoubtfulStampSigmas = 1.0;
-// A provisional pose lies better than all others by so many standard errors; it is confirmed later.
-constexpr double kClearSigmas = 1.5;
-// A worse fit of fewer points than this share of the best one's is no rival.
-constexpr double kRivalShare = 0.75;
+// A pose found while lost: by so many points more it lies on the map than off it, and by so many
+// standard errors: of wrong poses one in a thousand has that by chance; the next scan confirms it.
+constexpr double kMinEvidence = 50.0, kMinEvidenceSigmas = 3.0;
+// All poses elsewhere have less than this share of the best one's evidence, or lie worse by so many
+// standard errors. It is confirmed by the next scan.
+constexpr double kRivalShare = 0.5, kClearSigmas = 1.5;
 // Two hypotheses that end this close are one.
 constexpr double kSame_m = 0.05, kSame_rad = 0.005;
 // Further from what is expected, a motion over the road is not that of the vehicle.
@@ -92,10 +94,14 @@ struct PoseFinder::Search {
   Rigid3d T_odom_expected;
   // Whether the vehicle can have come to this pose.
   std::function<bool(const Rigid3d&)> is_reachable;
-  // By how much a hypothesis must lie better than a more probable one.
+  // By how much a hypothesis must lie better than a more probable one. While lost none is: the one
+  // with the most evidence is taken.
   double min_better_sigmas;
+  bool by_evidence;
+  bool is_searched = false;  // alignments without a guess were followed
   FoundPose best;
-  // Of all hypotheses followed: where they ended, and how that lies on the map.
+  // Of all hypotheses followed, the expected one first: where they ended, if the vehicle can have
+  // come there, and how that lies on the map.
   std::vector<std::pair<Rigid3d, MapFit>> ends;
 
   // Follows a hypothesis; takes it if it is clearly better than the best so far.
@@ -103,14 +109,22 @@ struct PoseFinder::Search {
            const PoseHypothesis& hypothesis, PoseOrigin origin) {
     TrackedPose tracked = tracker->Follow(frame, hypothesis, reference, executor, times);
     ++best.hypotheses;
+    if (!is_reachable(tracked.T_odom_lidar)) return;
     const bool is_new = std::none_of(ends.begin(), ends.end(), [&](const auto& end) {
       return IsSame(end.first, tracked.T_odom_lidar);
     });
     ends.emplace_back(tracked.T_odom_lidar, tracked.fit);
-    if (!is_new || !is_reachable(tracked.T_odom_lidar)) return;
-    if (!health.IsBetter(tracked, best.tracked, min_better_sigmas)) return;
+    if (!is_new) return;
+    const bool is_better = by_evidence ? HasMoreEvidence(tracked)
+                                       : health.IsBetter(tracked, best.tracked, min_better_sigmas);
+    if (!is_better) return;
     best.tracked = std::move(tracked);
     best.origin = origin;
+  }
+
+  bool HasMoreEvidence(const TrackedPose& tracked) const {
+    if (!tracked.is_measured) return false;
+    return !best.tracked.is_measured || Evidence(tracked.fit) > Evidence(best.tracked.fit);
   }
 };
 
@@ -219,7 +233,7 @@ std::optional<PoseFinder::Slip> PoseFinder::WatchTraffic(const PreprocessedFrame
     if (apart_m > kApart_m && road->agreeing_with_guess > 0.5 * agreeing) road.reset();
   }
   std::optional<StandingMotion> standing = surroundings_;
-  if (road) standing = StandingMotion{road->T_prev_cur, road->covariance_m2, true};
+  if (road) standing = StandingMotion::Of(*road);
   const Eigen::Vector2d slip_m = traffic_.Update(whole_ ? whole_->odometry.T_ref_body : T_prev_cur,
                                                  standing, predicted.duration_s());
   if (slip_m.isZero(0.0)) return std::nullopt;
@@ -235,16 +249,29 @@ void PoseFinder::TryMotions(const PreprocessedFrame& frame, const FrameContext& 
   }
 }
 
+Rigid3d PoseFinder::SearchCentre(const MotionPrediction& predicted) const {
+  if (periods_unknown_ % 2 == 0) return T_odom_known_;
+  // In the plane it was last seen in: heights held forward for seconds are worth nothing.
+  const Rigid3d T_known_cur = T_odom_known_.Inverse() * T_odom_prev_ * predicted.T_prev_cur;
+  return T_odom_known_ * Rigid3d::Translation(T_known_cur.t().x(), T_known_cur.t().y(), 0.0);
+}
+
+double PoseFinder::SearchYaw_rad() const {
+  const double unknown_s = periods_unknown_ * setup_.lidar.sweep_s;
+  return std::min(
+      options_.search.max_yaw_window_rad,
+      options_.search.yaw_window_rad + options_.search.lost_yaw_rate_rad_per_s * unknown_s);
+}
+
 void PoseFinder::TryAlignments(const PreprocessedFrame& frame, const FrameContext& context,
                                Search* search) {
+  search->is_searched = true;
   const MotionPrediction predicted = Predict(context.interval);
   const KeyframeCloud cloud =
       tracker_.Compensate(frame, predicted.T_prev_cur, predicted.duration_s());
-  const double yaw_window_rad =
-      periods_unknown_ > 0 ? options_.search.lost_yaw_window_rad : options_.search.yaw_window_rad;
   const std::vector<Rigid3d> aligned = AlignWithoutGuess(
-      AllPoints(cloud), search->reference.map, T_odom_known_, options_.search.radius_m,
-      yaw_window_rad, options_.search, search->executor);
+      AllPoints(cloud), search->reference.map, SearchCentre(predicted), options_.search.radius_m,
+      SearchYaw_rad(), options_.search, search->executor);
   const std::vector<Rigid3d> best = BestLying(frame, cloud, search->reference.map, aligned);
   for (const Rigid3d& T_odom : best) {
     PoseHypothesis hypothesis{T_odom, AlignedCovariance(), predicted, false};
@@ -261,12 +288,12 @@ std::vector<Rigid3d> PoseFinder::BestLying(const PreprocessedFrame& frame,
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < T_odom_lidar.size(); ++i) {
     const MapFit fit = FitToMap(cloud.planes.points, sample, map, T_odom_lidar[i], coarse);
-    order.emplace_back(fit.mean, i);
+    order.emplace_back(-Evidence(fit), i);
   }
-  std::sort(order.begin(), order.end());
+  std::sort(order.begin(), order.end());  // most evidence first
   order.resize(std::min(order.size(), static_cast<size_t>(options_.search.max_followed)));
   std::vector<Rigid3d> best;
-  for (const auto& [misfit, i] : order) best.push_back(T_odom_lidar[i]);
+  for (const auto& [less_evidence, i] : order) best.push_back(T_odom_lidar[i]);
   return best;
 }
 
@@ -290,29 +317,40 @@ bool PoseFinder::IsAmongTraffic(const FrameInterval& interval, const Search& sea
   return innovation.t().norm() < kExpected_m;
 }
 
-// After a leap or while lost, a pose is believed if its scan lies on the map as usual, or if two
-// frames in a row lie clearly better there than anywhere else.
+// After a leap or while lost, a pose is believed if its scan lies on the map as usual, and nowhere
+// else within reach as well. Where the map
+// hardly knows the place no scan does: then two frames in a row must lie there clearly better than
+// anywhere else, one the continuation of the other.
 Health PoseFinder::Judge(const FrameInterval& interval, const Search& search) const {
   const bool was_lost = !was_measured_ && !is_provisional_;
   const bool is_unfounded = search.best.tracked.fit.judged < options_.health.min_judged;
   if (is_provisional_ && is_unfounded) return Health::kBad;
   const Health health = health_.Judge(search.best.tracked, search.T_odom_expected, was_lost);
   if (IsAmongTraffic(interval, search)) return std::min(health, Health::kSuspicious);
-  const bool needs_confirmation = is_provisional_ && health == Health::kSuspicious;
-  return needs_confirmation && !IsClearWinner(search) ? Health::kBad : health;
+  if (IsConfirmed(search)) return std::min(health, Health::kSuspicious);
+  if (is_provisional_ && health == Health::kSuspicious) return Health::kBad;
+  return was_lost && !IsClearWinner(search) ? Health::kBad : health;
 }
 
 bool PoseFinder::IsClearWinner(const Search& search) const {
   const TrackedPose& best = search.best.tracked;
-  if (best.fit.judged < options_.health.min_judged || search.ends.size() < 3) return false;
+  const double evidence = Evidence(best.fit);
+  if (!search.is_searched || evidence < kMinEvidence) return false;
+  if (EvidenceSigmas(best.fit) < kMinEvidenceSigmas) return false;
   return std::all_of(search.ends.begin(), search.ends.end(), [&](const auto& end) {
     if ((best.T_odom_lidar.t() - end.first.t()).norm() < kElsewhere_m) return true;
-    const bool is_thin = end.second.judged < kRivalShare * best.fit.judged;
-    if (is_thin && end.second.mean > best.fit.mean) return true;
+    if (Evidence(end.second) < kRivalShare * evidence) return true;
+    // Along a hedge every pose has much: then the points judged in both decide.
     const FitComparison comparison = Compare(best.fit, end.second);
-    return comparison.common < options_.health.min_judged ||
+    return comparison.common >= options_.health.min_judged &&
            comparison.better > kClearSigmas * comparison.standard_error;
   });
+}
+
+bool PoseFinder::IsConfirmed(const Search& search) const {
+  const Rigid3d& T_odom_continued = search.ends.front().first;
+  const double apart_m = (search.best.tracked.T_odom_lidar.t() - T_odom_continued.t()).norm();
+  return is_provisional_ && apart_m < kElsewhere_m && IsClearWinner(search);
 }
 
 FrameStatus PoseFinder::StatusOf(const PreprocessedFrame& frame, const TrackedPose& tracked,
@@ -336,10 +374,9 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   }
   const MotionPrediction predicted = Expect(context.interval);
   const bool is_due = frames_ % options_.mapping.interval == 0;
-  // While lost the vehicle may have been moved by other means.
   const auto is_reachable = [&](const Rigid3d& T_odom_lidar) {
-    return !was_measured_ ||
-           IsReachable(motion_, context.interval.period_s, T_odom_prev_.Inverse() * T_odom_lidar);
+    return IsReachable(motion_, periods_unknown_ + kMostLostPeriods, context.interval.period_s,
+                       T_odom_known_.Inverse() * T_odom_lidar);
   };
   Search search{{T_odom_prev_, map, landmarks, is_due},
                 executor,
@@ -347,6 +384,8 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
                 T_odom_prev_ * predicted.T_prev_cur,
                 is_reachable,
                 options_.health.min_better_sigmas,
+                !was_measured_,
+                false,
                 {},
                 {}};
   if (context.interval.verdict != StampVerdict::kRegular) {

@@ -147,7 +147,11 @@ class PoseFinder {
                   const Executor& executor, StageTimes* times, FoundPose* best);
   void TryMotions(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
   void TryAlignments(const PreprocessedFrame& frame, const FrameContext& context, Search* search);
-  // Of coarse alignments, those with the smallest misfit as they are, best first.
+  // Where alignments are searched: while lost, in turn about the last known pose, for the vehicle
+  // may have stopped there, and about where it would have gone on to.
+  Rigid3d SearchCentre(const MotionPrediction& predicted) const;
+  double SearchYaw_rad() const;  // half the window
+  // Of coarse alignments, those with the most evidence as they are, best first.
   std::vector<Rigid3d> BestLying(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                                  const LocalMap& map,
                                  const std::vector<Rigid3d>& T_odom_lidar) const;
@@ -155,8 +159,10 @@ class PoseFinder {
   // hides what would tell: how the rest of the scan lies on the map says nothing then.
   bool IsAmongTraffic(const FrameInterval& interval, const Search& search) const;
   Health Judge(const FrameInterval& interval, const Search& search) const;
-  // Whether the best hypothesis lies clearly better than all others that ended elsewhere.
+  // Whether the best hypothesis has clearly more evidence than all others that ended elsewhere.
   bool IsClearWinner(const Search& search) const;
+  // ... and is where the provisional pose before leads to.
+  bool IsConfirmed(const Search& search) const;
   FrameStatus StatusOf(const PreprocessedFrame& frame, const TrackedPose& tracked,
                        Health health) const;
   TrackedPose HeldForward(const PreprocessedFrame& frame, const MotionPrediction& predicted) const;

@@ -34,8 +34,10 @@ std::vector<Eigen::Vector3f> AllPoints(const KeyframeCloud& cloud) {
 void PoseSearchOptions::Check() const {
   TVL_CHECK_INPUT(radius_m > 0.0 && start_radius_m > 0.0)
       << "search.radius_m, start_radius_m: must be positive";
-  TVL_CHECK_INPUT(yaw_window_rad > 0.0 && lost_yaw_window_rad > 0.0)
-      << "search.yaw_window_rad, lost_yaw_window_rad: must be positive";
+  TVL_CHECK_INPUT(yaw_window_rad > 0.0 && max_yaw_window_rad >= yaw_window_rad)
+      << "search.yaw_window_rad, max_yaw_window_rad: want 0 < window <= max";
+  TVL_CHECK_INPUT(lost_yaw_rate_rad_per_s >= 0.0)
+      << "search.lost_yaw_rate_rad_per_s: must not be negative";
   TVL_CHECK_INPUT(min_height_m > 0.0) << "search.min_height_m: must be positive";
   TVL_CHECK_INPUT(max_followed >= 1) << "search.max_followed: must be at least 1";
   bev.Check();
@@ -54,15 +56,16 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
   return motions;
 }
 
-bool IsReachable(const MotionModel& model, double period_s, const Rigid3d& T_prev_cur) {
+bool IsReachable(const MotionModel& model, int max_periods, double period_s,
+                 const Rigid3d& T_known_cur) {
   constexpr double kAcceleration_m_s2 = 4.0;  // braking and cornering of a car in a hurry
   constexpr double kMargin_m = 0.5;           // of the pose before
   if (!model.known()) return true;
-  for (int periods = 1; periods <= kMostLostPeriods; ++periods) {
+  for (int periods = 1; periods <= max_periods; ++periods) {
     const double time_s = periods * period_s;
     const double reach_m = kMargin_m + 0.5 * kAcceleration_m_s2 * time_s * time_s;
     const Eigen::Vector3d straight_m = periods * model.T_period().t();
-    if ((T_prev_cur.t() - straight_m).norm() < reach_m) return true;
+    if ((T_known_cur.t() - straight_m).norm() < reach_m) return true;
   }
   return false;
 }

@@ -18,10 +18,12 @@ namespace tvl {
 std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
                                                  const FrameInterval& interval);
 
-// Whether a vehicle that moved as `model` says can have moved by T_prev_cur since, in any number of
-// periods up to kMostLostPeriods. True where no velocity is known.
-inline constexpr int kMostLostPeriods = 31;  // three seconds of scans lost without a word
-bool IsReachable(const MotionModel& model, double period_s, const Rigid3d& T_prev_cur);
+// Scans that may have been lost without a word: three seconds.
+inline constexpr int kMostLostPeriods = 31;
+// Whether a vehicle that moved as `model` says can have moved by T_known_cur since, in any number
+// of periods up to max_periods. True where no velocity is known.
+bool IsReachable(const MotionModel& model, int max_periods, double period_s,
+                 const Rigid3d& T_known_cur);
 
 // Coarse alignments of what stands about the vehicle with the local map, which need no guess of the
 // motion: T_odom_lidar, best first. `points` are compensated, p_lidar, m, ground included;

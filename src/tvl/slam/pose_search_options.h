@@ -18,10 +18,12 @@ struct PoseSearchOptions {
   double radius_m = 36.0;
   // Before any velocity is known, from one frame to the next: 45 m/s at 10 Hz.
   double start_radius_m = 4.5;
-  double yaw_window_rad = 0.35;      // half: a car turns by no more in a second at speed
-  double lost_yaw_window_rad = 0.8;  // while lost
-  double min_height_m = 0.7;         // above the ground: what stands, and no kerb or slope
-  int max_followed = 6;  // of the alignments, those that lie best on the map as they are
+  double yaw_window_rad = 0.35;  // half: a car turns by no more in a second at speed
+  // While lost it grows with time, as a car turns at a crossing, up to a right angle.
+  double lost_yaw_rate_rad_per_s = 0.7;
+  double max_yaw_window_rad = 1.6;
+  double min_height_m = 0.7;  // above the ground: what stands, and no kerb or slope
+  int max_followed = 6;       // of the alignments, those that lie best on the map as they are
   BevAlignmentOptions bev = ForPoseSearch();
   void Check() const;
 };

@@ -95,7 +95,7 @@ TEST(AlternativeMotions, BeginWithTheMostProbableAndHoldStandingAndTheStamps) {
 TEST(IsReachable, FollowsTheMotionThroughLostScansAndNotBackOrSideways) {
   MotionModel model{MotionModelOptions()};
   const auto reaches = [&](double x_m, double y_m) {
-    return IsReachable(model, 0.1, Rigid3d::Translation(x_m, y_m, 0.0));
+    return IsReachable(model, kMostLostPeriods, 0.1, Rigid3d::Translation(x_m, y_m, 0.0));
   };
   EXPECT_TRUE(reaches(30.0, -20.0)) << "no velocity is known";
   model.Update(Rigid3d::Translation(2.5, 0.0, 0.0), Matrix6d::Zero(), 1);
@@ -104,6 +104,13 @@ TEST(IsReachable, FollowsTheMotionThroughLostScansAndNotBackOrSideways) {
   EXPECT_FALSE(reaches(-4.3, 3.2));
   EXPECT_FALSE(reaches(0.0, 0.0)) << "from 25 m/s to nothing in a frame";
   EXPECT_FALSE(reaches(4.5, -3.5));
+  // Three seconds later it may have braked, or turned off.
+  const auto reaches_later = [&](double x_m, double y_m) {
+    return IsReachable(model, 30, 0.1, Rigid3d::Translation(x_m, y_m, 0.0));
+  };
+  EXPECT_TRUE(reaches_later(60.0, -10.0));
+  EXPECT_FALSE(reaches_later(20.0, -40.0));
+  EXPECT_FALSE(reaches_later(-10.0, 0.0));
 }
 
 TEST(PoseSearchOptions, NameTheBadField) {

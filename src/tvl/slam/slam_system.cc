@@ -86,7 +86,8 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
   last_motion_.period_s = setup.lidar.sweep_s;
 }
 
-FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& executor) {
+FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& executor,
+                                     FrameTrace* trace) {
   const Stopwatch total;
   FrameContext context;
   const SensorFrame checked = WithoutOddData(input, setup_);
@@ -149,6 +150,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     result.map_begins_anew = true;
   }
   if (found.is_uncertain) result.status = FrameStatus::kPredicted;  // what was measured is kept
+  if (trace != nullptr) *trace = {finder_.last_frame(), last_cloud_, last_motion_};
   result.times.total_ms = total.ElapsedMs();
   return result;
 }

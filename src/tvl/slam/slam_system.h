@@ -58,6 +58,13 @@ struct FrameResult {
   StageTimes times;
 };
 
+// What became of a frame on its way, for pictures.
+struct FrameTrace {
+  PreprocessedFrame frame;
+  KeyframeCloud cloud;     // F_lf and F_ls, compensated to the frame's stamp
+  PredictedMotion motion;  // that the scan was compensated with
+};
+
 class SlamSystem {
  public:
   // `deskew` must be decided. With `in_background` loops are searched beside the odometry, in a
@@ -66,8 +73,9 @@ class SlamSystem {
              bool in_background = false);
 
   // Frames in order of time. Never throws for what is wrong with a frame's data: what no stage can
-  // work with is left out and is a fault of the frame.
-  FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor);
+  // work with is left out and is a fault of the frame. A `trace` is filled where one is given.
+  FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor,
+                           FrameTrace* trace = nullptr);
 
   // After the last frame: waits for the loop search, which looks once more at all keyframes (it can
   // take half a minute; none at all if `go_on` says no from the start), and applies everything
@@ -91,12 +99,6 @@ class SlamSystem {
   // What the next frame is registered against, in the odometry frame.
   const LocalMap& local_map() const { return local_map_; }
   const Map& map() const { return map_; }
-  // The preprocessed data of the last frame, for pictures: last_frame(), and
-  // F_lf, F_ls of the last frame compensated to its stamp.
-  const KeyframeCloud& last_cloud() const { return last_cloud_; }
-  // Motion the last frame's scan was compensated with.
-  const PredictedMotion& last_motion() const { return last_motion_; }
-  const PreprocessedFrame& last_frame() const { return finder_.last_frame(); }
 
  private:
   // The input without what was delivered before, and with what is said of its time; faults are

@@ -64,6 +64,14 @@ void TrafficOptions::Check() const {
   TVL_CHECK_INPUT(release_m > 0.0) << "traffic.release_m: must be positive";
 }
 
+StandingMotion StandingMotion::Of(const RoadMotion& road) {
+  constexpr double kNearlyAll = 0.7, kHardlyAny = 0.2;
+  const auto agreeing = static_cast<double>(road.agreeing.size());
+  const bool is_unanimous =
+      agreeing >= kNearlyAll * road.tracks && road.agreeing_with_guess <= kHardlyAny * agreeing;
+  return {road.T_prev_cur, road.covariance_m2, is_unanimous};
+}
+
 TrafficMonitor::TrafficMonitor(const TrafficOptions& options) : options_(options) {
   options_.Check();
 }
@@ -105,7 +113,7 @@ bool TrafficMonitor::IsSignificant(const Slip& slip) const {
 
 bool TrafficMonitor::Contradicts(const StandingMotion& standing, const Rigid3d& T_prev_cur) const {
   const Eigen::Vector2d slip_m = (standing.T_prev_cur.t() - T_prev_cur.t()).head<2>();
-  return !standing.is_road &&
+  return standing.decides_alone &&
          IsSignificant({slip_m, standing.covariance_m2, standing.T_prev_cur.t().head<2>().norm()});
 }
 
@@ -177,7 +185,7 @@ std::optional<StandingMotion> TrafficMonitor::Surroundings(const Rigid3d& found,
   if (!(least * max_sigma_m * max_sigma_m >= 1.0)) return std::nullopt;
   const Eigen::Vector2d expected_m = expected.T_prev_cur.t().head<2>();
   const Eigen::Vector2d innovation_m = found.t().head<2>() - expected_m;
-  StandingMotion standing{found, measured.inverse(), false};
+  StandingMotion standing{found, measured.inverse(), true};
   Eigen::Vector3d t = found.t();
   t.head<2>() = expected_m + standing.covariance_m2 * information * innovation_m;
   standing.T_prev_cur = Rigid3d(found.q(), t);

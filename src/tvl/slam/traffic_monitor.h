@@ -50,9 +50,11 @@ struct TrafficOptions {
 struct StandingMotion {
   Rigid3d T_prev_cur;
   Eigen::Matrix2d covariance_m2;  // of x and y
-  // Shadows move over the road with those who cast them: what it says in a single frame decides
-  // nothing.
-  bool is_road = true;
+  // Believed from a single frame, whatever the whole scan says. Shadows move over the road with
+  // those who cast them: with some of them among the tracks, several frames must agree.
+  bool decides_alone = false;
+
+  static StandingMotion Of(const RoadMotion& road);
 };
 
 class TrafficMonitor {

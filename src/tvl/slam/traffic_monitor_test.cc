@@ -6,7 +6,7 @@ namespace tvl {
 namespace {
 
 std::optional<StandingMotion> Road(double x_m) {
-  return StandingMotion{Rigid3d::Translation(x_m, 0.0, 0.0), Eigen::Matrix2d::Zero(), true};
+  return StandingMotion{Rigid3d::Translation(x_m, 0.0, 0.0), Eigen::Matrix2d::Zero(), false};
 }
 
 constexpr double kPeriod_s = 0.1;
@@ -88,11 +88,25 @@ TEST(TrafficMonitor, TheFirstMotionTakesALargeMajority) {
 TEST(TrafficMonitor, WhatStandsBesideTheRoadDecidesInASingleFrame) {
   TrafficMonitor monitor{TrafficOptions()};
   const StandingMotion beside{Rigid3d::Translation(0.3, 0.0, 0.0),
-                              Eigen::Matrix2d::Identity() * (0.03 * 0.03), false};
+                              Eigen::Matrix2d::Identity() * (0.03 * 0.03), true};
   EXPECT_FALSE(monitor.Contradicts(beside, Scan(0.2))) << "three standard deviations and a slip";
   EXPECT_TRUE(monitor.Contradicts(beside, Scan(0.0)));
   EXPECT_NEAR(monitor.Update(Scan(0.0), beside, kPeriod_s).x(), 0.3, 1e-9);
   EXPECT_TRUE(monitor.carries_estimate());
+}
+
+TEST(TrafficMonitor, ARoadOnWhichNearlyAllTracksContradictTheScanDecidesInASingleFrame) {
+  RoadMotion road;
+  road.T_prev_cur = Rigid3d::Translation(0.2, 0.0, 0.0);
+  road.tracks = 10;
+  road.agreeing.assign(8, 0);
+  TrafficMonitor monitor{TrafficOptions()};
+  EXPECT_TRUE(monitor.Contradicts(StandingMotion::Of(road), Scan(0.0)));
+  road.agreeing_with_guess = 3;
+  EXPECT_FALSE(monitor.Contradicts(StandingMotion::Of(road), Scan(0.0))) << "some go with the scan";
+  road.agreeing_with_guess = 0;
+  road.tracks = 16;
+  EXPECT_FALSE(monitor.Contradicts(StandingMotion::Of(road), Scan(0.0))) << "8 of 16";
 }
 
 TEST(TrafficMonitor, TakesTheExpectedOutOfWhatTheSurroundingsSay) {
