@@ -10,7 +10,9 @@
 namespace tvl {
 
 struct VisualMatchOptions {
-  double sigma_px = 0.5;             // of the flow between two images
+  // Of the flow between two images. On KITTI and KITTI-360 it leaves its epipolar line by 0.12 to
+  // 0.34 px (1.48 x the median).
+  double sigma_px = 0.35;
   double max_relative_sigma = 0.15;  // of a depth: vaguer depths count as none
   double min_baseline_m = 0.15;      // shorter: epipolar planes are undefined
   void Check() const;

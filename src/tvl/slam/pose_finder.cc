@@ -28,6 +28,8 @@ constexpr double kRivalShare = 0.5, kClearSigmas = 1.5;
 constexpr double kSame_m = 0.05, kSame_rad = 0.005;
 // Further from what is expected, a motion over the road is not that of the vehicle.
 constexpr double kExpectedSigmas = 4.0;
+// In a jam nobody speeds up or brakes harder, without need.
+constexpr double kJamAcceleration_m_s2 = 3.0;
 // A pose so near to where it was expected needs no evidence where traffic hides the map.
 constexpr double kExpected_m = 0.1;
 // What moves about the vehicle does so for a second at least.
@@ -174,8 +176,15 @@ std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame
   const Eigen::Matrix2d covariance = predicted.covariance.block<2, 2>(3, 3) + road->covariance_m2;
   const Eigen::Vector2d innovation_m = road->T_prev_cur.t().head<2>() - guess.expected_m;
   const double chi2 = innovation_m.dot(covariance.inverse() * innovation_m);
-  const bool is_expected = chi2 < kExpectedSigmas * kExpectedSigmas &&
-                           innovation_m.norm() < options_.health.suspicious_innovation_m;
+  double reach_m = options_.health.suspicious_innovation_m;
+  if (traffic_.carries_estimate()) {
+    const int periods = predicted.periods + traffic_.frames_without_road();
+    const double sigma_m = std::sqrt(0.5 * road->covariance_m2.trace());
+    reach_m = kJamAcceleration_m_s2 * predicted.period_s * predicted.period_s * periods +
+              kExpectedSigmas * sigma_m;
+  }
+  const bool is_expected =
+      chi2 < kExpectedSigmas * kExpectedSigmas && innovation_m.norm() < reach_m;
   return is_expected ? road : std::nullopt;
 }
 
@@ -207,7 +216,7 @@ void PoseFinder::CompareWithSurroundings(const PreprocessedFrame& frame,
   }
   if (surroundings_ && !traffic_.Contradicts(*surroundings_, tracked.Motion(T_odom_prev_))) return;
   found->is_uncertain = true;
-  found->carried_along_sigma_m = kCarriedAlong_m;
+  found->beyond_covariance_m2.diagonal().array() += kCarriedAlong_m * kCarriedAlong_m;
 }
 
 std::optional<PoseFinder::Slip> PoseFinder::WatchTraffic(const PreprocessedFrame& frame,
@@ -413,7 +422,7 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
   // The step makes up for what the traffic had carried the poses away by.
   const bool is_correction = was_carried_away_ && IsMeasured(found.status);
   if (is_correction) {
-    found.tracked.step_covariance.block<2, 2>(3, 3) += slip_m_ * slip_m_.transpose();
+    found.beyond_covariance_m2 += slip_m_ * slip_m_.transpose();
   }
   found.is_uncertain =
       is_correction || (found.status == FrameStatus::kDegraded && IsStepUncertain(found.tracked));

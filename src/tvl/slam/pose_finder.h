@@ -59,9 +59,9 @@ struct FoundPose {
   // Measured, but along some direction the vehicle may have moved by more than a claim allows:
   // nothing but prediction has held it for too long, or what moves around may carry it along.
   bool is_uncertain = false;
-  // Only moving things bear the pose out: beyond its covariance the step may be off along and
-  // across the road by so much, one standard deviation.
-  double carried_along_sigma_m = 0.0;
+  // What the step may be off by beyond its covariance, x and y, m^2: a slip that it makes up for,
+  // or things that move and alone bear it out.
+  Eigen::Matrix2d beyond_covariance_m2 = Eigen::Matrix2d::Zero();
   std::optional<Bridge> bridge;
   // The first motion of raw scans also compensates the scan before it: its features, anew.
   std::optional<KeyframeCloud> previous_cloud;

@@ -246,8 +246,7 @@ void SlamSystem::Describe(const PreprocessedFrame& frame, const FoundPose& found
   result->T_odom_lidar = found.tracked.T_odom_lidar;
   result->status = found.status;
   result->step_covariance = found.tracked.step_covariance;
-  result->step_covariance.block<2, 2>(3, 3).diagonal().array() +=
-      found.carried_along_sigma_m * found.carried_along_sigma_m;
+  result->step_covariance.block<2, 2>(3, 3) += found.beyond_covariance_m2;
   result->odometry = found.tracked.odometry;
   result->map_step = found.tracked.map_step;
   result->map_step.planes.clear();

@@ -86,6 +86,7 @@ class TrafficMonitor {
   bool Contradicts(const StandingMotion& standing, const Rigid3d& T_prev_cur) const;
   // The estimate would be carried away: what may be traffic is to be left out.
   bool carries_estimate() const { return carries_; }
+  int frames_without_road() const { return frames_without_road_; }
   void Forget();
 
   // Leaves in the frame only what is known not to be traffic: laser features of the ground and of
