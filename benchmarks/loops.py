@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Loop closing on simulated drives with exact truth: what was found, accepted, wrong and missed.
 
-    loops.py DRIVE... --out DIR [--binary tvl] [--threads N] [--alone] [--drift KEY=VALUE]... [--lidar-only]
-             [--skip-no-loops]
+    loops.py DRIVE... --out DIR [--binary tvl] [--threads N] [--alone] [--lidar-only] [--skip-no-loops]
 
 DRIVE is anything `tvl run` takes and knows the truth of: `sim:city?seed=4&frames=0&trajectory=POSES.txt`,
 `sim:nightloop?seed=5&frames=700`, a KITTI folder with poses. Prints, per drive, the absolute trajectory
@@ -11,8 +10,8 @@ with loops; accepted, dropped and false loops, their errors, how much larger the
 variance, than it says, the share of revisiting keyframes closed, precision and recall of each proposer, and
 milliseconds a keyframe. The odometry of a run with loops is not what the odometry alone would do: once a
 loop is accepted it sees the old place, too, in its local map. --skip-no-loops saves the run without.
---alone runs every drive four times: all proposers, and each one alone. --drift sets options below
-`loops.injected_drift` (z_share=0.01 is a metre of climb every 100 m): how bad may odometry be?
+--alone runs every drive four times: all proposers, and each one alone. How bad odometry may be:
+loops_with_drift.cc.
 """
 
 import argparse
@@ -26,10 +25,8 @@ from bench import ours
 PROPOSERS = ("visual", "vicinity", "lidar")
 
 
-def write_config(path, proposers, drift):
+def write_config(path, proposers):
     options = {f"use_{p}": p in proposers for p in PROPOSERS}
-    if drift:
-        options["injected_drift"] = drift
     path.write_text(yaml.safe_dump({"loops": options}))
     return path
 
@@ -44,7 +41,7 @@ def error_m(binary, folder, trajectory):
 def run(args, folder, drive, proposers, *extra):
     """The folder with the results of one run."""
     folder.mkdir(parents=True, exist_ok=True)
-    config = write_config(folder / "config.yaml", proposers, args.drift)
+    config = write_config(folder / "config.yaml", proposers)
     if args.lidar_only:
         extra = (*extra, "--lidar-only")
     ours.execute(args.binary, "run", drive, "--out", folder, "--config", config, "--deskew", "none",
@@ -85,11 +82,6 @@ def measure(args, number, drive, proposers, alone_m):
                   f"max {ms['max_ms']:7.2f} ms a keyframe")
 
 
-def key_value(text):
-    key, _, value = text.partition("=")
-    return key, float(value)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -100,9 +92,7 @@ def main():
     parser.add_argument("--alone", action="store_true")
     parser.add_argument("--lidar-only", action="store_true")
     parser.add_argument("--skip-no-loops", action="store_true")
-    parser.add_argument("--drift", type=key_value, action="append", default=[])
     args = parser.parse_args()
-    args.drift = dict(args.drift)
     sets = [PROPOSERS] + ([(p,) for p in PROPOSERS] if args.alone else [])
     for number, drive in enumerate(args.drives):
         alone_m = "?"

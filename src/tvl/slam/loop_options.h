@@ -51,14 +51,6 @@ struct LoopConsistencyOptions {
   void Check() const;
 };
 
-// Drift added to the links between keyframes, per metre driven: to see what loop closing does when
-// odometry is bad. Nothing else should ever set this.
-struct InjectedDriftOptions {
-  double yaw_rad_per_m = 0.0;                          // about the lidar's z axis
-  double x_share = 0.0, y_share = 0.0, z_share = 0.0;  // m per m, along the odometry frame's axes
-  void Check() const {}
-};
-
 // A loop that reaches the graph has been judged by more than the graph knows. Were it kept waiting
 // because it contradicts the odometry's covariance, odometry that is worse than it thinks could
 // never be mended. Huber as in the paper; what is wrong nevertheless is dropped by the polish.
@@ -93,7 +85,6 @@ struct LoopOptions {
   LoopConsistencyOptions consistency;
   IncrementalPoseGraphOptions graph = ForJudgedLoops();
   BatchPoseGraphOptions polish;
-  InjectedDriftOptions injected_drift;
   void Check() const;
 };
 

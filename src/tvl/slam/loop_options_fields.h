@@ -213,14 +213,6 @@ void VisitFields(Visitor& visit, BatchPoseGraphOptions& options) {
 }
 
 template <typename Visitor>
-void VisitFields(Visitor& visit, InjectedDriftOptions& options) {
-  TVL_FIELD(yaw_rad_per_m);
-  TVL_FIELD(x_share);
-  TVL_FIELD(y_share);
-  TVL_FIELD(z_share);
-}
-
-template <typename Visitor>
 void VisitFields(Visitor& visit, LoopOptions& options) {
   TVL_FIELD(enabled);
   TVL_FIELD(use_visual);
@@ -240,7 +232,6 @@ void VisitFields(Visitor& visit, LoopOptions& options) {
   TVL_FIELD(consistency);
   TVL_FIELD(graph);
   TVL_FIELD(polish);
-  TVL_FIELD(injected_drift);
 }
 
 #undef TVL_FIELD

@@ -40,18 +40,6 @@ SensorSetup WithUsableExtrinsics(SensorSetup setup, const PreprocessingOptions& 
   return setup;
 }
 
-// The motion between two poses of the odometry frame, with drift.
-Rigid3d MotionWithDrift(const Rigid3d& T_odom_prev, const Rigid3d& T_odom_cur,
-                        const InjectedDriftOptions& drift) {
-  const double length_m = (T_odom_cur.t() - T_odom_prev.t()).norm();
-  Vector6d turn = Vector6d::Zero();
-  turn[2] = length_m * drift.yaw_rad_per_m;
-  const Eigen::Vector3d shift_m =
-      length_m * Eigen::Vector3d(drift.x_share, drift.y_share, drift.z_share);
-  const Rigid3d shifted(T_odom_cur.q(), T_odom_cur.t() + shift_m);
-  return T_odom_prev.Inverse() * shifted * Rigid3d::Exp(turn);
-}
-
 LocalMapMember MemberOf(const Map& map, size_t index) {
   const Keyframe& keyframe = map.keyframes[index];
   return {keyframe.id.index, keyframe.path_m, keyframe.T_odom_lidar,
@@ -305,8 +293,7 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
   keyframe.T_world_lidar = result.T_odom_lidar;
   if (!map_.keyframes.empty()) {
     const Keyframe& previous = map_.keyframes.back();
-    keyframe.T_prev_cur =
-        MotionWithDrift(previous.T_odom_lidar, result.T_odom_lidar, options_.loops.injected_drift);
+    keyframe.T_prev_cur = previous.T_odom_lidar.Inverse() * result.T_odom_lidar;
     keyframe.covariance = keyframe_covariance_;
     keyframe.T_world_lidar = previous.T_world_lidar * keyframe.T_prev_cur;
   }

@@ -329,34 +329,5 @@ TEST(SlamSystemLoops, KeyframesCarryTheCovarianceOfAllFramesBetweenThem) {
   }
 }
 
-TEST(SlamSystemLoops, InjectedDriftIsWhatItIsCalled) {
-  synthetic::DriveOptions drive_options;
-  drive_options.frames = 12;
-  const synthetic::Drive drive(drive_options);
-  SlamOptions options;
-  options.use_camera = false;
-  options.loops.injected_drift.x_share = 0.01;
-  options.loops.injected_drift.y_share = 0.02;
-  options.loops.injected_drift.z_share = 0.04;
-  const auto drive_with = [&drive](const SlamOptions& with) {
-    SlamSystem system(drive.setup(), Deskew::kNone, with);
-    for (size_t i = 0; i < drive.size(); ++i) system.ProcessFrame(drive.Frame(i), Executor(1));
-    return system.map().keyframes;
-  };
-  const std::vector<Keyframe> shifted = drive_with(options);
-  double length_m = 0.0;
-  for (size_t k = 1; k < shifted.size(); ++k) {
-    length_m += (shifted[k].T_odom_lidar.t() - shifted[k - 1].T_odom_lidar.t()).norm();
-    const Eigen::Vector3d drift_m = shifted[k].T_world_lidar.t() - shifted[k].T_odom_lidar.t();
-    EXPECT_LT((drift_m - length_m * Eigen::Vector3d(0.01, 0.02, 0.04)).norm(), 1e-9);
-  }
-  options.loops.injected_drift = {};
-  options.loops.injected_drift.yaw_rad_per_m = 0.01;
-  const Keyframe turned = drive_with(options).back();
-  const Rigid3d T_odom_world = turned.T_odom_lidar.Inverse() * turned.T_world_lidar;
-  EXPECT_GT(length_m, 5.0);
-  EXPECT_NEAR(LogSo3(T_odom_world.q()).z(), 0.01 * length_m, 1e-3);
-}
-
 }  // namespace
 }  // namespace tvl
