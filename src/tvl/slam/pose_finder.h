@@ -132,7 +132,13 @@ class PoseFinder {
   // Lidar alone, among moving things: what stands beside the corridor tells whether the pose is
   // carried away; where it does not tell, the pose is uncertain.
   void CompareWithSurroundings(const PreprocessedFrame& frame, const FrameContext& context,
-                               const Search& search, FoundPose* found);
+                               const TrackingReference& reference, const Executor& executor,
+                               StageTimes* times, FoundPose* found);
+  // The motion by the frame without traffic, if that tells.
+  std::optional<StandingMotion> MatchSurroundings(const PreprocessedFrame& frame,
+                                                  const MotionPrediction& expected,
+                                                  const TrackingReference& reference,
+                                                  const Executor& executor, StageTimes* times);
   // Compares the estimate with the motion over the road, or against the surroundings.
   std::optional<Slip> WatchTraffic(const PreprocessedFrame& frame, const FoundPose& found,
                                    const FrameContext& context);
