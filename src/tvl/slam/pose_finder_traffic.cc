@@ -54,6 +54,9 @@ std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame
                   predicted.covariance.block<2, 2>(3, 3).inverse()};
   const std::optional<RoadMotion> road = tracker_.MeasureRoad(frame, guess);
   if (!road) return std::nullopt;
+  // Before traffic was noticed, what is expected may come from it.
+  const bool is_unanimous = StandingMotion::Of(*road).decides_alone;
+  if (!traffic_.carries_estimate() && is_unanimous) return road;
   // What keeps pace with the vehicle, such as the shadow of the car before it, agrees, too.
   const Eigen::Matrix2d covariance = predicted.covariance.block<2, 2>(3, 3) + road->covariance_m2;
   const Eigen::Vector2d innovation_m = road->T_prev_cur.t().head<2>() - guess.expected_m;
