@@ -48,7 +48,6 @@ class DriftingDrive {
           MotionWithDrift(previous.T_odom_lidar, keyframe.T_odom_lidar, drift_);
       motions_.push_back(keyframe.T_prev_cur);
     }
-    T_drifting_.push_back(T_drifting_.empty() ? Rigid3d() : T_drifting_.back() * motions_.back());
     T_corrected_.push_back(T_corrected_.empty() ? Rigid3d()
                                                 : T_corrected_.back() * motions_.back());
     Apply(closer_.Process(keyframe, *map_.store->Get(keyframe.id.index)));
@@ -58,7 +57,11 @@ class DriftingDrive {
     Apply(closer_.Polish());
   }
 
-  const std::vector<Rigid3d>& T_drifting() const { return T_drifting_; }
+  std::vector<Rigid3d> T_drifting() const {
+    std::vector<Rigid3d> poses(1);
+    for (const Rigid3d& motion : motions_) poses.push_back(poses.back() * motion);
+    return poses;
+  }
   const std::vector<Rigid3d>& T_corrected() const { return T_corrected_; }
   const LoopReport& report() const { return closer_.report(); }
 
@@ -74,7 +77,7 @@ class DriftingDrive {
   const Map& map_;
   Drift drift_;
   LoopCloser closer_;
-  std::vector<Rigid3d> motions_, T_drifting_, T_corrected_;
+  std::vector<Rigid3d> motions_, T_corrected_;
 };
 
 double Rmse_m(const std::vector<TrueKeyframe>& truth, const std::vector<Rigid3d>& estimate) {

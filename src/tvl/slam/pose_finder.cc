@@ -17,11 +17,11 @@ constexpr double kAlignedReach_m = 1.0;
 constexpr double kElsewhere_m = 0.5;
 // Where the stamps are in doubt, so is which motion is the most probable.
 constexpr double kDoubtfulStampSigmas = 1.0;
-// A pose found while lost: by so many points more it lies on the map than off it, and by so many
-// standard errors: of wrong poses one in a thousand has that by chance; the next scan confirms it.
+// A pose found while lost lies on the map by so many points more than off it, and by so many
+// standard errors, which a wrong one has by chance once in a thousand.
 constexpr double kMinEvidence = 50.0, kMinEvidenceSigmas = 3.0;
-// All poses elsewhere have less than this share of the best one's evidence, or lie worse by so many
-// standard errors. It is confirmed by the next scan.
+// All poses elsewhere must have less than this share of its evidence, or lie worse by so many
+// standard errors.
 constexpr double kRivalShare = 0.5, kClearSigmas = 1.5;
 // Two hypotheses that end this close are one.
 constexpr double kSame_m = 0.05, kSame_rad = 0.005;
@@ -138,7 +138,7 @@ void PoseFinder::TryMotions(const PreprocessedFrame& frame, const FrameContext& 
 }
 
 Rigid3d PoseFinder::SearchCentre(const MotionPrediction& predicted) const {
-  if (periods_unknown_ % 2 == 0) return T_odom_known_;
+  if (periods_unknown_ == 0 || frames_ % 2 == 0) return T_odom_known_;
   // In the plane it was last seen in: heights held forward for seconds are worth nothing.
   const Rigid3d T_known_cur = T_odom_known_.Inverse() * T_odom_prev_ * predicted.T_prev_cur;
   return T_odom_known_ * Rigid3d::Translation(T_known_cur.t().x(), T_known_cur.t().y(), 0.0);
@@ -205,10 +205,10 @@ bool PoseFinder::IsAmongTraffic(const FrameInterval& interval, const Search& sea
   return innovation.t().norm() < kExpected_m;
 }
 
-// After a leap or while lost, a pose is believed if its scan lies on the map as usual, and nowhere
-// else within reach as well. Where the map
-// hardly knows the place no scan does: then two frames in a row must lie there clearly better than
-// anywhere else, one the continuation of the other.
+// After a leap a pose is believed if its scan lies on the map as usual; while lost, if it also lies
+// nowhere else within reach as well. Where the map hardly knows the place no scan lies as usual:
+// then two frames in a row must lie there clearly better than anywhere else, one the continuation
+// of the other.
 Health PoseFinder::Judge(const FrameInterval& interval, const Search& search) const {
   const bool was_lost = !was_measured_ && !is_provisional_;
   const bool is_unfounded = search.best.tracked.fit.judged < options_.health.min_judged;

@@ -105,7 +105,9 @@ std::optional<StandingMotion> PoseFinder::MatchSurroundings(const PreprocessedFr
                                                             const TrackingReference& reference,
                                                             const Executor& executor,
                                                             StageTimes* times) {
-  PreprocessedFrame beside = frame;
+  PreprocessedFrame beside;  // there are no tracks, and of the scan its features are used
+  beside.has_scan = frame.has_scan;
+  beside.features = frame.features;
   traffic_.RemoveTraffic(std::nullopt, &beside);
   const PoseHypothesis hypothesis = PoseHypothesis::Of(expected, T_odom_prev_);
   const TrackedPose tracked = tracker_.Follow(beside, hypothesis, reference, executor, times);

@@ -138,7 +138,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     result.map_begins_anew = true;
   }
   if (found.is_uncertain) result.status = FrameStatus::kPredicted;  // what was measured is kept
-  if (trace != nullptr) *trace = {finder_.last_frame(), last_cloud_, last_motion_};
+  if (trace != nullptr) *trace = {finder_.last_frame(), last_motion_};
   result.times.total_ms = total.ElapsedMs();
   return result;
 }

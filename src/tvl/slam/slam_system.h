@@ -61,7 +61,6 @@ struct FrameResult {
 // What became of a frame on its way, for pictures.
 struct FrameTrace {
   PreprocessedFrame frame;
-  KeyframeCloud cloud;     // F_lf and F_ls, compensated to the frame's stamp
   PredictedMotion motion;  // that the scan was compensated with
 };
 
@@ -73,7 +72,8 @@ class SlamSystem {
              bool in_background = false);
 
   // Frames in order of time. Never throws for what is wrong with a frame's data: what no stage can
-  // work with is left out and is a fault of the frame. A `trace` is filled where one is given.
+  // work with is left out and is a fault of the frame. A `trace` is
+  // filled where one is given, and left as it is for a frame that repeats the one before.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor,
                            FrameTrace* trace = nullptr);
 

@@ -149,8 +149,9 @@ Eigen::Vector2d TrafficMonitor::Update(const Rigid3d& T_prev_cur,
   if (window_.size() > static_cast<size_t>(options_.window_frames)) window_.pop_front();
   const bool is_slipping = IsSlipping();
   if (!carries_) {
-    if (Contradicts(*standing, T_prev_cur)) window_.erase(window_.begin(), window_.end() - 1);
-    carries_ = is_slipping || Contradicts(*standing, T_prev_cur);
+    const bool is_contradicted = Contradicts(*standing, T_prev_cur);
+    if (is_contradicted) window_.erase(window_.begin(), window_.end() - 1);  // this frame alone
+    carries_ = is_slipping || is_contradicted;
     agreeing_m_ = 0.0;
     return carries_ ? Slip_m() : Eigen::Vector2d::Zero();
   }

@@ -37,7 +37,7 @@ struct TrafficOptions {
   // scan.
   int max_frames_without_road = 20;
   // What stands in the corridor moves, at least in part, where so much of it lies off the map (mean
-  // cost, as MapFit::mean). Streets that stand still: up to 0.08 (KITTI, KITTI-360, hedges and
+  // cost, as MapFit::mean). In a street that stands still: up to 0.08 (KITTI-360, hedges and
   // parked cars); among moving cars 0.23 to 0.31 (drive 0052).
   double min_moving_misfit = 0.12;
   // What stands beside the corridor tells the motion if its standard deviation, without what was
