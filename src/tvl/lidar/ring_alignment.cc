@@ -13,16 +13,22 @@ namespace {
 
 // Squares of angles, rad^2.
 constexpr double kSharedRowPenalty = 1e-3;  // (1.8 deg)^2: more than any real mismatch
-constexpr double kEmptyRowPenalty = 1e-4;   // a few rings that would otherwise be one row off
+
+// What an empty row costs, rad^2, by where it is.
+struct EmptyRowPenalty {
+  double before = 0.0;   // the first ring
+  double between = 0.0;  // two rings
+  double after = 0.0;    // the last ring
+};
 
 struct Path {
   double cost = 0.0;
   std::vector<int> row;
 };
 
-// The cheapest way through (ring, row): squared elevation differences and the penalties above.
+// The cheapest way through (ring, row): squared elevation differences and the penalties.
 Path CheapestPath(const std::vector<double>& ring_rad, const std::vector<double>& beam_rad,
-                  double offset_rad) {
+                  double offset_rad, const EmptyRowPenalty& empty) {
   const size_t rings = ring_rad.size(), rows = beam_rad.size();
   std::vector<double> cost(rows), next(rows);
   std::vector<int> from(rings * rows, -1);
@@ -36,7 +42,7 @@ Path CheapestPath(const std::vector<double>& ring_rad, const std::vector<double>
       from[k * rows + r] = shared < above ? static_cast<int>(r) : above_row;
       const double d = ring_rad[k] - offset_rad - beam_rad[r];
       next[r] = std::min(shared, above) + d * d;
-      above += kEmptyRowPenalty;
+      above += k == 0 ? empty.before : empty.between;
       if (k > 0 && cost[r] < above) {
         above = cost[r];
         above_row = static_cast<int>(r);
@@ -44,6 +50,7 @@ Path CheapestPath(const std::vector<double>& ring_rad, const std::vector<double>
     }
     cost.swap(next);
   }
+  for (size_t r = 0; r < rows; ++r) cost[r] += empty.after * static_cast<double>(rows - 1 - r);
   const auto last = std::min_element(cost.begin(), cost.end());
   Path path;
   path.cost = *last;
@@ -56,23 +63,46 @@ Path CheapestPath(const std::vector<double>& ring_rad, const std::vector<double>
   return path;
 }
 
+constexpr double kHeightStep_m = 0.02, kHighestOrigin_m = 0.24;
+
+// Elevation of a ring as seen from `height_m` above the sensor's origin.
+std::vector<double> Elevations(const std::vector<RingProfile>& rings, double height_m) {
+  std::vector<double> elevations_rad;
+  elevations_rad.reserve(rings.size());
+  for (const RingProfile& ring : rings) {
+    elevations_rad.push_back(std::atan2(ring.height_m - height_m, ring.distance_m));
+  }
+  return elevations_rad;
+}
+
+// Beams whose origin lies up to kHighestOrigin_m above the sensor's appear higher than they look,
+// rings nearby by 2 deg; nominal elevations are off by 1 deg at most.
+bool ReachesLowestBeam(const std::vector<RingProfile>& rings,
+                       const std::vector<double>& beam_elevation_rad) {
+  const double lowest_rad = Elevations({rings.back()}, 0.5 * kHighestOrigin_m).front();
+  return lowest_rad < beam_elevation_rad.back() + DegToRad(1.5);
+}
+
 }  // namespace
 
 RingAlignment AlignRingsToBeams(const std::vector<RingProfile>& rings,
                                 const std::vector<double>& beam_elevation_rad) {
   TVL_CHECK(!rings.empty() && !beam_elevation_rad.empty());
+  constexpr double kRefused = 1.0;   // rad^2: more than any path costs
+  constexpr double kBetween = 1e-4;  // a few rings that would otherwise be one row off
+  // Less than between two rings by (0.3 deg)^2: one ring that would otherwise be one row off.
+  constexpr double kBefore = kBetween - 3e-5;
+  const EmptyRowPenalty empty = ReachesLowestBeam(rings, beam_elevation_rad)
+                                    ? EmptyRowPenalty{kBefore, kBetween, kRefused}
+                                    : EmptyRowPenalty{kBetween, kBetween, 0.0};
   const double count = static_cast<double>(rings.size());
   RingAlignment best;
   double best_score = std::numeric_limits<double>::infinity();
-  std::vector<double> elevation_rad(rings.size());
-  for (int height_step = 0; height_step <= 12; ++height_step) {
-    const double height_m = 0.02 * height_step;
-    for (size_t k = 0; k < rings.size(); ++k) {
-      elevation_rad[k] = std::atan2(rings[k].height_m - height_m, rings[k].distance_m);
-    }
+  for (double height_m = 0.0; height_m < kHighestOrigin_m + 0.01; height_m += kHeightStep_m) {
+    const std::vector<double> elevation_rad = Elevations(rings, height_m);
     for (int step = -20; step <= 20; ++step) {
       const double offset_rad = DegToRad(0.05 * step);
-      Path path = CheapestPath(elevation_rad, beam_elevation_rad, offset_rad);
+      Path path = CheapestPath(elevation_rad, beam_elevation_rad, offset_rad, empty);
       // Neither is free: among like fits the smaller wins.
       const double score =
           path.cost / count + 1e-3 * offset_rad * offset_rad + 1e-6 * height_m * height_m;
@@ -80,6 +110,23 @@ RingAlignment AlignRingsToBeams(const std::vector<RingProfile>& rings,
       best_score = score;
       best = {std::move(path.row), offset_rad, height_m, std::sqrt(path.cost / count)};
     }
+  }
+  return best;
+}
+
+RingAlignment AlignRingsToScan(const std::vector<RingProfile>& rings,
+                               const std::vector<RingProfile>& complete) {
+  TVL_CHECK(!rings.empty() && !complete.empty());
+  constexpr double kBetween = 3e-5;  // (0.3 deg)^2: one ring that would otherwise be one row off
+  const double count = static_cast<double>(rings.size());
+  RingAlignment best;
+  best.rms_rad = std::numeric_limits<double>::infinity();
+  for (double height_m = 0.0; height_m < kHighestOrigin_m + 0.01; height_m += kHeightStep_m) {
+    Path path = CheapestPath(Elevations(rings, height_m), Elevations(complete, height_m), 0.0,
+                             {0.0, kBetween, 0.0});
+    const double rms_rad = std::sqrt(path.cost / count);
+    if (rms_rad >= best.rms_rad) continue;
+    best = {std::move(path.row), 0.0, height_m, rms_rad};
   }
   return best;
 }

@@ -10,19 +10,28 @@ struct RingProfile {
   double distance_m = 0.0, height_m = 0.0;
 };
 
-// Rows, in rising order, that rings (topmost first) belong to, given the beams' elevations. Rows
-// may stay empty; where there are more rings than beams some share a row. Allowed for are a common
-// offset of the elevation and a common height of the beams' origin over the sensor's: in KITTI's
-// scans beams start 0.20 m (upper block) and 0.12 m (lower block) above the origin, so that a ring
-// seen at 5 m appears 2 deg too high. The smallest of both that fit are taken, and
-// as few empty rows before the last ring as possible: files are cut off at their end.
+// Rows, in rising order, that rings (topmost first) belong to. Rows may stay empty; where there are
+// more rings than beams some share a row.
 struct RingAlignment {
   std::vector<int> row;  // one a ring
   double offset_rad = 0.0;
   double origin_height_m = 0.0;
   double rms_rad = 0.0;
 };
+
+// By the beams' nominal elevations. Allowed for are a common offset of the elevation and a common
+// height of the beams' origin over the sensor's: in KITTI's scans beams start 0.20 m (upper block)
+// and 0.12 m (lower block) above the origin, so that a ring seen at 5 m appears 2 deg too high. The
+// smallest of both that fit are taken. Rings are missing at one end only: at the upper one if the
+// lowest ring looks about as far down as the lowest beam (upper beams looked at the sky), else at
+// the lower one (the file was cut off).
 RingAlignment AlignRingsToBeams(const std::vector<RingProfile>& rings,
                                 const std::vector<double>& beam_elevation_rad);
+
+// By the rings of another scan of the same sensor, one a row, of which none was missing: real beams
+// are off their nominal elevations by more than their distance from each other. Rings may be
+// missing at either end.
+RingAlignment AlignRingsToScan(const std::vector<RingProfile>& rings,
+                               const std::vector<RingProfile>& complete);
 
 }  // namespace tvl

@@ -6,13 +6,14 @@
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
-#include "tvl/lidar/ring_alignment.h"
 
 namespace tvl {
 namespace {
 
 // More than any lidar has; a range image of so many rows would fill the memory.
 constexpr int kMostRings = 1024;
+// Complete scans from one that is remembered to the next.
+constexpr int kRememberedEvery = 10;
 
 constexpr float kTwoPi = static_cast<float>(2.0 * kPi);
 
@@ -85,7 +86,9 @@ std::vector<RingProfile> ProfileRings(const LidarScan& scan, const ScanGeometry&
   }
   std::vector<RingProfile> profiles(static_cast<size_t>(rings));
   for (size_t r = 0; r < profiles.size(); ++r) {
-    std::vector<Sample>& v = far[r].size() >= 30 ? far[r] : all[r];
+    // Where most of a ring is near, its far points are those that strayed to another elevation.
+    std::vector<Sample>& v =
+        far[r].size() >= std::max<size_t>(30, all[r].size() / 2) ? far[r] : all[r];
     if (v.empty()) {
       if (r > 0) profiles[r] = profiles[r - 1];
       continue;
@@ -139,7 +142,7 @@ void RingRecoveryOptions::Check() const {
 
 RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             const LidarModel& model, const RingRecoveryOptions& options,
-                            RingAssignment reuse) {
+                            RingMemory* memory, RingAssignment reuse) {
   TVL_CHECK(geometry.range_m.size() == scan.size());
   TVL_CHECK(scan.ring.empty() || scan.ring.size() == scan.size());
   if (!scan.ring.empty()) return UseGivenRings(scan, model, std::move(reuse));
@@ -148,9 +151,17 @@ RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
   out.rows = model.rows() > 0 ? model.rows() : out.rings_found;
   out.source = RingSource::kOneToOne;
   out.elevation_offset_rad = out.origin_height_m = out.elevation_rms_rad = 0.0;
-  if (out.rings_found == out.rows || scan.size() == 0) return out;
-  const RingAlignment alignment = AlignRingsToBeams(
-      ProfileRings(scan, geometry, out.row, out.rings_found), model.beam_elevation_rad);
+  if (scan.size() == 0 || model.rows() == 0) return out;
+  if (out.rings_found == out.rows) {
+    if (memory != nullptr && memory->scans++ % kRememberedEvery == 0) {
+      memory->complete = ProfileRings(scan, geometry, out.row, out.rings_found);
+    }
+    return out;
+  }
+  const std::vector<RingProfile> rings = ProfileRings(scan, geometry, out.row, out.rings_found);
+  const RingAlignment alignment = memory != nullptr && !memory->complete.empty()
+                                      ? AlignRingsToScan(rings, memory->complete)
+                                      : AlignRingsToBeams(rings, model.beam_elevation_rad);
   out.source = RingSource::kAligned;
   out.elevation_offset_rad = alignment.offset_rad;
   out.origin_height_m = alignment.origin_height_m;

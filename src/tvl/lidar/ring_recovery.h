@@ -4,12 +4,14 @@
 // once, starting straight ahead. A ring ends where the azimuth passes the start again. In 75 real
 // scans (KITTI odometry, KITTI raw, KITTI-360) all 64 rings are found so. Elevation alone cannot
 // tell rings apart: nearby points of one HDL-64 ring scatter by 0.5-1.5 deg, beams lie 0.33 deg
-// apart. It is only used, as a median over a ring, to find out which ring is missing.
+// apart. It is only used, as a median over a ring, to find out which rings are missing: on the open
+// road the upper ones, which look at the sky.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "tvl/lidar/ring_alignment.h"
 #include "tvl/lidar/scan_geometry.h"
 #include "tvl/sensor/lidar_model.h"
 #include "tvl/sensor/lidar_scan.h"
@@ -31,7 +33,7 @@ struct RingRecoveryOptions {
 enum class RingSource {
   kGiven,     // LidarScan::ring
   kOneToOne,  // as many rings found as the sensor has beams (or the beams are not known)
-  kAligned,   // another number: assigned to rows by elevation, in order
+  kAligned,   // another number: assigned to rows by elevation, in order (see ring_alignment.h)
 };
 
 struct RingAssignment {
@@ -45,11 +47,18 @@ struct RingAssignment {
   double elevation_rms_rad = 0.0;  // kAligned: what remains
 };
 
+// What earlier scans of a sensor showed.
+struct RingMemory {
+  std::vector<RingProfile> complete;  // the rings of a scan with as many as there are beams
+  int scans = 0;                      // complete ones since
+};
+
 // `geometry` belongs to `scan`. Throws InputError if a given ring lies outside the sensor's beams,
 // if the points are plainly not stored ring after ring, or for more rings than any lidar has.
-// `reuse` hands in memory.
+// Where rings are missing, `memory` helps to tell which; complete scans are kept in it. `reuse`
+// hands in storage.
 RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             const LidarModel& model, const RingRecoveryOptions& options,
-                            RingAssignment reuse = {});
+                            RingMemory* memory = nullptr, RingAssignment reuse = {});
 
 }  // namespace tvl

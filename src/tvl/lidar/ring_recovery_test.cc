@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "tvl/base/check.h"
 #include "tvl/lidar/real_scans.h"
@@ -15,8 +16,9 @@ namespace {
 using test::Hdl64;
 using test::SimulatedScan;
 
-RingAssignment Recover(const LidarScan& scan, const LidarModel& model = Hdl64()) {
-  return RecoverRings(scan, ComputeScanGeometry(scan), model, RingRecoveryOptions{});
+RingAssignment Recover(const LidarScan& scan, const LidarModel& model = Hdl64(),
+                       RingMemory* memory = nullptr) {
+  return RecoverRings(scan, ComputeScanGeometry(scan), model, RingRecoveryOptions{}, memory);
 }
 
 // A street: ground and two walls, 64 full rings but for the sky.
@@ -79,6 +81,22 @@ TEST(RingRecovery, TruncatedFileKeepsTheUpperRows) {
   EXPECT_EQ(rings.rings_found, 42);
   EXPECT_EQ(rings.rows, 64);
   EXPECT_EQ(rings.row, cut.ring);
+}
+
+// On the open road the upper beams look at the sky, those next to them hit a tree or two.
+SimulatedScan OpenRoad(const SimulatedScan& scan, int first_row) {
+  return Without(scan, [&](uint16_t ring, float azimuth) {
+    return ring < first_row || (ring < first_row + 3 && (azimuth < 0.5f || azimuth > 1.0f));
+  });
+}
+
+TEST(RingRecovery, UpperRingsInTheSkyLeaveTheirRowsEmpty) {
+  for (const int first_row : {3, 8, 13, 20, 31, 40}) {
+    const SimulatedScan open = OpenRoad(Street(), first_row);
+    const RingAssignment rings = Recover(open.scan);
+    EXPECT_EQ(rings.rings_found, 64 - first_row);
+    EXPECT_EQ(rings.row, open.ring) << "without the rings above " << first_row;
+  }
 }
 
 TEST(RingRecovery, BackstepsOfCompensatedScansStayInTheRing) {
@@ -245,6 +263,30 @@ TEST(RingRecovery, RealScansCutOffKeepTheirRows) {
       EXPECT_EQ(static_cast<size_t>(found.rings_found), rings);
       EXPECT_TRUE(std::equal(found.row.begin(), found.row.end(), full.row.begin()))
           << name << " cut after " << rings << " rings";
+    }
+  }
+}
+
+// What is missing is told by another scan of the drive that was complete.
+TEST(RingRecovery, RealScansUnderAnEmptySkyKeepTheirRows) {
+  const std::string data = test::TestData();
+  if (data.empty()) GTEST_SKIP() << "TVL_TEST_DATA is not set";
+  for (const auto& [name, earlier, later] :
+       {std::tuple{"kitti360_3000", "000020.bin", "000045.bin"},
+        std::tuple{"kitti_2011_09_26_0052", "000000.bin", "000007.bin"},
+        std::tuple{"kitti_2011_09_26_0013_first16", "000003.bin", "000012.bin"},
+        std::tuple{"kitti_odometry_00_first10", "000000.bin", "000009.bin"}}) {
+    const std::string folder = data + "/sequences/" + name + "/velodyne/";
+    RingMemory memory;
+    Recover(test::ReadKittiScan(folder + earlier), Hdl64(), &memory);
+    ASSERT_EQ(memory.complete.size(), 64u) << name;
+    SimulatedScan full;
+    full.scan = test::ReadKittiScan(folder + later);
+    full.ring = Recover(full.scan).row;
+    for (const int first_row : {3, 8, 13, 20, 30}) {
+      const SimulatedScan open = OpenRoad(full, first_row);
+      EXPECT_EQ(Recover(open.scan, Hdl64(), &memory).row, open.ring)
+          << name << " without the rings above " << first_row;
     }
   }
 }

@@ -16,7 +16,8 @@ Segmentation SegmentScanWithEvidence(const LidarScan& scan, const LidarModel& mo
   SegmentationWorkspace own;
   SegmentationWorkspace& w = workspace != nullptr ? *workspace : own;
   w.geometry = ComputeScanGeometry(scan, std::move(w.geometry));
-  w.rings = RecoverRings(scan, w.geometry, model, options.rings, std::move(w.rings));
+  w.rings =
+      RecoverRings(scan, w.geometry, model, options.rings, &w.ring_memory, std::move(w.rings));
   RangeImageResult image = BuildRangeImage(scan, w.geometry, w.rings, model, deskew);
   const GroundResult ground = FindGround(image.scan, options.ground);
   ClusterResult clusters = FindClusters(image.scan, ground.is_ground, options.clusters);

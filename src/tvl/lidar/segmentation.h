@@ -35,10 +35,12 @@ struct Segmentation {
   SegmentationEvidence evidence;
 };
 
-// Memory kept from scan to scan; never affects results. Not for two threads at once.
+// Kept from scan to scan of one sensor: storage, and what earlier scans tell of which rings are
+// missing. Not for two threads at once.
 struct SegmentationWorkspace {
   ScanGeometry geometry;
   RingAssignment rings;
+  RingMemory ring_memory;
 };
 
 // Throws InputError for a scan whose rings cannot be told (see RecoverRings). A scan without a
