@@ -389,7 +389,6 @@ void VisitFields(Visitor& visit, TrafficOptions& options) {
   TVL_FIELD(slip_share);
   TVL_FIELD(max_speed_m_s);
   TVL_FIELD(corridor_m);
-  TVL_FIELD(min_start_tracks);
   TVL_FIELD(min_start_share);
   TVL_FIELD(release_m);
   TVL_FIELD(max_frames_without_road);

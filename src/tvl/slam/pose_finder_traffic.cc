@@ -16,6 +16,8 @@ constexpr double kJamAcceleration_m_s2 = 3.0;
 constexpr int kMovingThingsStay_frames = 10;
 // By so much things in a jam move in a frame (3 m/s), and a pose that only they bear out with them.
 constexpr double kCarriedAlong_m = 0.3;
+// Until then what is expected may be what the scan of a drive that begins in a jam said.
+constexpr int kFirst_frames = 10;
 // Further apart, two motions are told apart by the tracks near the vehicle.
 constexpr double kApart_m = 0.05;
 
@@ -55,8 +57,9 @@ std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame
   const std::optional<RoadMotion> road = tracker_.MeasureRoad(frame, guess);
   if (!road) return std::nullopt;
   // Before traffic was noticed, what is expected may come from it.
-  const bool is_unanimous = StandingMotion::Of(*road).decides_alone;
-  if (!traffic_.carries_estimate() && is_unanimous) return road;
+  const bool is_clear = StandingMotion::Of(*road).decides_alone ||
+                        (frames_ < kFirst_frames && traffic_.IsOfMost(*road));
+  if (!traffic_.carries_estimate() && is_clear) return road;
   // What keeps pace with the vehicle, such as the shadow of the car before it, agrees, too.
   const Eigen::Matrix2d covariance = predicted.covariance.block<2, 2>(3, 3) + road->covariance_m2;
   const Eigen::Vector2d innovation_m = road->T_prev_cur.t().head<2>() - guess.expected_m;

@@ -58,7 +58,6 @@ void TrafficOptions::Check() const {
   TVL_CHECK_INPUT(max_surroundings_sigma_m > 0.0)
       << "traffic.max_surroundings_sigma_m: must be positive";
   TVL_CHECK_INPUT(corridor_m > 0.0) << "traffic.corridor_m: must be positive";
-  TVL_CHECK_INPUT(min_start_tracks >= 1) << "traffic.min_start_tracks: must be at least 1";
   TVL_CHECK_INPUT(min_start_share > 0.0 && min_start_share <= 1.0)
       << "traffic.min_start_share: must lie in 0..1, and not be 0";
   TVL_CHECK_INPUT(release_m > 0.0) << "traffic.release_m: must be positive";
@@ -117,14 +116,17 @@ bool TrafficMonitor::Contradicts(const StandingMotion& standing, const Rigid3d& 
          IsSignificant({slip_m, standing.covariance_m2, standing.T_prev_cur.t().head<2>().norm()});
 }
 
+bool TrafficMonitor::IsOfMost(const RoadMotion& road) const {
+  const auto agreeing = static_cast<double>(road.agreeing.size());
+  return agreeing >= options_.min_start_share * road.tracks &&
+         agreeing >= 2.0 * road.agreeing_with_guess;
+}
+
 bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s) {
   Forget();
-  const auto agreeing = static_cast<double>(road.agreeing.size());
   const double step_m = road.T_prev_cur.t().head<2>().norm();
   const double slip_m = (road.T_prev_cur.t() - T_prev_cur.t()).head<2>().norm();
-  carries_ = agreeing >= options_.min_start_tracks &&
-             agreeing >= options_.min_start_share * road.tracks &&
-             step_m < options_.max_speed_m_s * duration_s &&
+  carries_ = IsOfMost(road) && step_m < options_.max_speed_m_s * duration_s &&
              slip_m > options_.min_slip_m + options_.slip_share * step_m;
   return carries_;
 }

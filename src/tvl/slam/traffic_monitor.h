@@ -27,8 +27,8 @@ struct TrafficOptions {
   double max_speed_m_s = 6.0;
   // What stands so near to the line of travel may be traffic: two lanes to each side.
   double corridor_m = 8.0;
-  // Of the first motion: so many tracks must agree, and this share, to overrule the scan at once.
-  int min_start_tracks = 12;
+  // Of the tracks on the road, to overrule what the scan says of the first motions: so many must
+  // agree, and be twice as many as agree with the scan.
   double min_start_share = 0.5;
   // What stands beside the vehicle is believed again when it has moved as the road does for so long
   // a way: no queue stands beside one that moves for longer.
@@ -72,6 +72,9 @@ class TrafficMonitor {
   }
   // The poses before and after do not belong together, or the scan said nothing.
   void Interrupt() { window_.clear(); }
+  // Whether most tracks agree on the motion, and few of them with what was guessed: while nothing
+  // is expected of the motion, that is as good as it gets.
+  bool IsOfMost(const RoadMotion& road) const;
   // Of the first motion there is, which nothing was expected of. Returns carries_estimate().
   bool Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s);
   // Whether what stands in the corridor moves, at least in part: `fit` is that of the frame's

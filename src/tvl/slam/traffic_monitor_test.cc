@@ -83,6 +83,10 @@ TEST(TrafficMonitor, TheFirstMotionTakesALargeMajority) {
   EXPECT_FALSE(monitor.Start(Scan(0.29), road, kPeriod_s)) << "they agree";
   road.agreeing.resize(15);
   EXPECT_FALSE(monitor.Start(Scan(0.0), road, kPeriod_s)) << "15 of 40";
+  road.tracks = 20;
+  EXPECT_TRUE(monitor.Start(Scan(0.0), road, kPeriod_s));
+  road.agreeing_with_guess = 8;
+  EXPECT_FALSE(monitor.Start(Scan(0.0), road, kPeriod_s)) << "8 of 20 say the same as the scan";
 }
 
 TEST(TrafficMonitor, WhatStandsBesideTheRoadDecidesInASingleFrame) {
