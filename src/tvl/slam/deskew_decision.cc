@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 #include "tvl/base/check.h"
@@ -31,6 +32,14 @@ double Mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v;
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+// Times that are all alike say nothing.
+bool GivesTimes(const SensorFrame& frame) {
+  if (frame.scan == nullptr || frame.scan->time_offset_s.empty()) return false;
+  const std::vector<float>& offset_s = frame.scan->time_offset_s;
+  const auto [first, last] = std::minmax_element(offset_s.begin(), offset_s.end());
+  return *last > *first;
 }
 
 // Mean of other - best over the frames, in standard errors.
@@ -86,6 +95,7 @@ DeskewTrial::DeskewTrial(const SensorSetup& setup, const SlamOptions& slam,
   for (const Deskew answer : kAnswers) {
     contenders_.push_back({answer, SlamSystem(setup, answer, slam, in_background), {}});
   }
+  log_residuals_sq_.resize(contenders_.size());
 }
 
 DeskewTrial::Contender& DeskewTrial::DefaultContender() {
@@ -93,20 +103,33 @@ DeskewTrial::Contender& DeskewTrial::DefaultContender() {
                        [&](const Contender& c) { return c.answer == default_answer_; });
 }
 
+void DeskewTrial::BelieveTimes() {
+  has_times_ = true;
+  default_answer_ = Deskew::kClockwise;
+  contenders_.erase(contenders_.begin() + 2);
+  log_residuals_sq_.resize(contenders_.size());
+}
+
 const FrameResult& DeskewTrial::ProcessFrame(const SensorFrame& frame, const Executor& executor) {
+  if (contenders_.front().frames.empty() && GivesTimes(frame)) BelieveTimes();
   const Executor alone(1);  // one thread a contender
   executor.For(contenders_.size(), 1, [&](size_t begin, size_t) {
     Contender& contender = contenders_[begin];
     contender.frames.push_back(contender.system.ProcessFrame(frame, alone));
   });
-  std::array<double, 3> log_sq;
-  for (size_t i = 0; i < 3; ++i) {
-    log_sq[i] = LogResidualSq(contenders_[i], options_.min_rotation_rad);
+  std::vector<double> log_sq;
+  for (const Contender& contender : contenders_) {
+    log_sq.push_back(LogResidualSq(contender, options_.min_rotation_rad));
   }
-  if (!std::isnan(log_sq[0] + log_sq[1] + log_sq[2])) {
-    for (size_t i = 0; i < 3; ++i) log_residuals_sq_[i].push_back(log_sq[i]);
-  }
+  const bool all_tell =
+      std::none_of(log_sq.begin(), log_sq.end(), [](double value) { return std::isnan(value); });
+  for (size_t i = 0; all_tell && i < log_sq.size(); ++i) log_residuals_sq_[i].push_back(log_sq[i]);
   return DefaultContender().frames.back();
+}
+
+std::string DeskewTrial::TextOf(Deskew answer) const {
+  return has_times_ && answer == Deskew::kClockwise ? "raw, by the times of the points"
+                                                    : ToString(answer);
 }
 
 bool DeskewTrial::IsOver() const {
@@ -124,27 +147,30 @@ DeskewDecision DeskewTrial::Judge() const {
   if (decision.informative < options_.min_informative) {
     reason << "only " << decision.informative << " of the first " << contenders_[0].frames.size()
            << " frames turn enough to tell; the input's default is taken: "
-           << ToString(default_answer_);
+           << TextOf(default_answer_);
     decision.reason = reason.str();
     return decision;
   }
-  std::array<size_t, 3> order = {0, 1, 2};
-  for (size_t i = 0; i < 3; ++i) {
+  std::vector<size_t> order;
+  for (size_t i = 0; i < contenders_.size(); ++i) {
+    order.push_back(i);
     decision.residual_sq_m2[i] = std::exp(Mean(log_residuals_sq_[i]));
   }
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return decision.residual_sq_m2[a] < decision.residual_sq_m2[b];
   });
-  const auto& best = log_residuals_sq_[order[0]];
-  const double lead = std::min(Significance(best, log_residuals_sq_[order[1]]),
-                               Significance(best, log_residuals_sq_[order[2]]));
-  reason << ToString(kAnswers[order[0]]) << " fits best over " << decision.informative
-         << " turning frames, " << lead << " standard errors ahead";
+  double lead = std::numeric_limits<double>::infinity();
+  for (size_t k = 1; k < order.size(); ++k) {
+    lead = std::min(lead, Significance(log_residuals_sq_[order[0]], log_residuals_sq_[order[k]]));
+  }
+  const Deskew best = contenders_[order[0]].answer;
+  reason << TextOf(best) << " fits best over " << decision.informative << " turning frames, "
+         << lead << " standard errors ahead";
   if (lead >= options_.min_significance) {
-    decision.deskew = kAnswers[order[0]];
+    decision.deskew = best;
     decision.verdict = DeskewVerdict::kDecided;
   } else {
-    reason << ": too close to decide, the input's default is taken: " << ToString(default_answer_);
+    reason << ": too close to decide, the input's default is taken: " << TextOf(default_answer_);
   }
   decision.reason = reason.str();
   return decision;

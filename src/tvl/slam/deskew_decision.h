@@ -1,5 +1,7 @@
 // Are the scans compensated, and if not, which way does the lidar spin? Both are stated wrongly
-// often enough to let the data decide: the right answer fits the map better than the others.
+// often enough to let the data decide: the right answer fits the map better than the others. Where
+// the first scan gives the time of each point, the spin need not be told: the answers are that the
+// times are right (kClockwise stands for it) or that the scans are compensated all the same.
 #pragma once
 
 #include <array>
@@ -38,12 +40,12 @@ struct DeskewDecision {
   DeskewVerdict verdict = DeskewVerdict::kGiven;
   std::string reason;  // a sentence for the report
   // Typical squared scan-to-map residual of the informative frames (m^2; geometric mean of their
-  // squared medians): none, cw, ccw.
+  // squared medians): none, cw, ccw. 0: not tried.
   std::array<double, 3> residual_sq_m2{};
   int informative = 0;
 };
 
-// Three systems side by side, one an answer, until the data decide. Whatever the verdict, the
+// A system for each answer, side by side, until the data decide. Whatever the verdict, the
 // system and results of the answer taken are complete from the first frame on: nothing is run
 // twice and no frame is kept.
 class DeskewTrial {
@@ -70,13 +72,16 @@ class DeskewTrial {
 
  private:
   Contender& DefaultContender();
+  void BelieveTimes();  // of the points
+  std::string TextOf(Deskew answer) const;
 
   DeskewDecisionOptions options_;
   Deskew default_answer_;
   std::vector<Contender> contenders_;
+  bool has_times_ = false;
   // Logarithms of the squared median residuals (m^2) of the informative frames, one list a
   // contender.
-  std::array<std::vector<double>, 3> log_residuals_sq_;
+  std::vector<std::vector<double>> log_residuals_sq_;
 };
 
 }  // namespace tvl

@@ -228,6 +228,32 @@ INSTANTIATE_TEST_SUITE_P(CompensatedAndRaw, DeskewDecisionOn,
                          ::testing::Values(Deskew::kNone, Deskew::kClockwise,
                                            Deskew::kCounterClockwise));
 
+TEST(DeskewDecision, TimesOfThePointsTellTheSpin) {
+  DriveOptions raw = Frames(25, Deskew::kCounterClockwise);
+  raw.point_times = Deskew::kCounterClockwise;
+  RunOptions options = LidarOnly();
+  options.decision.min_informative = 8;
+  const RunResult result = Play(Drive(raw), options);
+  EXPECT_EQ(result.deskew.verdict, DeskewVerdict::kDecided) << result.deskew.reason;
+  EXPECT_NE(result.deskew.reason.find("by the times of the points"), std::string::npos);
+  raw.point_times = Deskew::kNone;
+  options.deskew = Deskew::kCounterClockwise;
+  const RunResult known = Play(Drive(raw), options);
+  const Rigid3d apart =
+      known.frames.back().T_world_lidar.Inverse() * result.frames.back().T_world_lidar;
+  EXPECT_LT(apart.t().norm(), 1e-3) << "as if the spin had been known";
+}
+
+TEST(DeskewDecision, TimesOfCompensatedPointsAreNotUsed) {
+  DriveOptions compensated = Frames(25);
+  compensated.point_times = Deskew::kClockwise;
+  RunOptions options = LidarOnly();
+  options.decision.min_informative = 8;
+  const RunResult result = Play(Drive(compensated), options);
+  EXPECT_EQ(result.deskew.verdict, DeskewVerdict::kDecided) << result.deskew.reason;
+  EXPECT_EQ(result.deskew.deskew, Deskew::kNone) << result.deskew.reason;
+}
+
 TEST(DeskewDecision, AStandingSensorTellsNothing) {
   DriveOptions options = Frames(6);
   options.speed_m_s = 0.0;

@@ -15,7 +15,9 @@ namespace tvl::synthetic {
 
 struct DriveOptions {
   size_t frames = 20;
-  Deskew spin = Deskew::kNone;  // raw scans of a lidar that spins so; none: compensated
+  Deskew spin = Deskew::kNone;
+  Deskew point_times = Deskew::kNone;  // as of this spin; kNone: points have no times  // raw scans
+                                       // of a lidar that spins so; none: compensated
   bool camera = false;
   double speed_m_s = 8.0;
   double sway_m = 1.0;  // half width of the snake line driven
@@ -80,6 +82,11 @@ class Drive : public Dataset {
         if (range > lidar.max_range_m) continue;
         scan->points.push_back((range * ray).cast<float>());
         scan->intensity.push_back(0.5f);
+        if (options_.point_times != Deskew::kNone) {
+          const double azimuth = std::remainder(Azimuth(column), 2.0 * kPi);
+          scan->time_offset_s.push_back(
+              static_cast<float>(SpinOffset_s(azimuth, options_.point_times, lidar.sweep_s)));
+        }
       }
     }
     return scan;
