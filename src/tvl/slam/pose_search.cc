@@ -56,11 +56,23 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
   return motions;
 }
 
+// Wheels roll along the heading: a vehicle that has turned by some angle has moved in the direction
+// it looked in on the way, half that angle. Of the way it has moved, so much may be across, as when
+// changing lanes in a hurry (3.5 m in 10 m), and the known pose may be off by a little.
+bool IsSideways(const Rigid3d& T_known_cur) {
+  constexpr double kShare = 0.35, kMargin_m = 0.5;
+  const Eigen::Vector2d moved_m = T_known_cur.t().head<2>();
+  const double half_yaw = 0.5 * T_known_cur.Log()(2);
+  const double across_m = moved_m.y() * std::cos(half_yaw) - moved_m.x() * std::sin(half_yaw);
+  return std::abs(across_m) > kMargin_m + kShare * moved_m.norm();
+}
+
 bool IsReachable(const MotionModel& model, int max_periods, double period_s,
                  const Rigid3d& T_known_cur) {
   constexpr double kAcceleration_m_s2 = 4.0;  // braking and cornering of a car in a hurry
   constexpr double kMargin_m = 0.5;           // of the pose before
   if (!model.known()) return true;
+  if (IsSideways(T_known_cur)) return false;
   for (int periods = 1; periods <= max_periods; ++periods) {
     const double time_s = periods * period_s;
     const double reach_m = kMargin_m + 0.5 * kAcceleration_m_s2 * time_s * time_s;

@@ -21,7 +21,8 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
 // Scans that may have been lost without a word: three seconds.
 inline constexpr int kMostLostPeriods = 31;
 // Whether a vehicle that moved as `model` says can have moved by T_known_cur since, in any number
-// of periods up to max_periods. True where no velocity is known.
+// of periods up to max_periods: without braking, speeding up or sliding sideways as no car does.
+// True where no velocity is known.
 bool IsReachable(const MotionModel& model, int max_periods, double period_s,
                  const Rigid3d& T_known_cur);
 

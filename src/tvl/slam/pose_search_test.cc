@@ -92,6 +92,21 @@ TEST(AlternativeMotions, BeginWithTheMostProbableAndHoldStandingAndTheStamps) {
   }
 }
 
+TEST(IsReachable, NotSidewaysButRoundACorner) {
+  MotionModel model{MotionModelOptions()};
+  model.Update(Rigid3d(), Matrix6d::Identity() * 1e-6, 1);  // stands
+  const auto is_reachable = [&](double x_m, double y_m, double yaw_rad) {
+    return IsReachable(model, kMostLostPeriods, 0.1,
+                       {ExpSo3({0.0, 0.0, yaw_rad}), Eigen::Vector3d(x_m, y_m, 0.0)});
+  };
+  EXPECT_TRUE(is_reachable(0.2, -0.4, 0.0)) << "the known pose is off by a little";
+  EXPECT_FALSE(is_reachable(2.0, -11.0, 0.0));
+  EXPECT_FALSE(is_reachable(10.0, -11.0, 0.0));
+  EXPECT_TRUE(is_reachable(8.0, -8.0, -1.57));
+  EXPECT_FALSE(is_reachable(8.0, 8.0, -1.57)) << "turned right, and went left";
+  EXPECT_TRUE(is_reachable(12.0, 3.5, 0.1)) << "into the next lane";
+}
+
 TEST(IsReachable, FollowsTheMotionThroughLostScansAndNotBackOrSideways) {
   MotionModel model{MotionModelOptions()};
   const auto reaches = [&](double x_m, double y_m) {
