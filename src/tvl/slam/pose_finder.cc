@@ -13,6 +13,8 @@ constexpr double kLostSigma_m = 2.0;
 constexpr double kAlignedSigma_m = 0.5, kAlignedSigma_rad = 0.05;
 // An alignment is off by up to a cell and a step of the yaw at 20 m.
 constexpr double kAlignedReach_m = 1.0;
+// Alignments, best first, that are followed whatever their evidence.
+constexpr size_t kFirstAlignments = 2;
 // Beyond this, a hypothesis ended elsewhere: no two poses this far apart fit by the same surfaces.
 constexpr double kElsewhere_m = 0.5;
 // Where the stamps are in doubt, so is which motion is the most probable.
@@ -178,8 +180,12 @@ std::vector<Rigid3d> PoseFinder::BestLying(const PreprocessedFrame& frame,
     const MapFit fit = FitToMap(cloud.planes.points, sample, map, T_odom_lidar[i], coarse);
     order.emplace_back(-Evidence(fit), i);
   }
-  std::sort(order.begin(), order.end());  // most evidence first
-  order.resize(std::min(order.size(), static_cast<size_t>(options_.search.max_followed)));
+  // Where the map knows much, also poses that are off gather evidence: the best alignments are
+  // followed in any case.
+  const size_t first = std::min(order.size(), kFirstAlignments);
+  std::sort(order.begin() + static_cast<std::ptrdiff_t>(first),
+            order.end());  // most evidence first
+  order.resize(std::min(order.size(), first + static_cast<size_t>(options_.search.max_followed)));
   std::vector<Rigid3d> best;
   for (const auto& [less_evidence, i] : order) best.push_back(T_odom_lidar[i]);
   return best;
@@ -253,12 +259,26 @@ FrameStatus PoseFinder::StatusOf(const PreprocessedFrame& frame, const TrackedPo
                                                        : FrameStatus::kDegraded;
 }
 
+bool PoseFinder::IsWithoutData(const PreprocessedFrame& frame) {
+  return !frame.has_scan && !frame.has_image;
+}
+
+bool PoseFinder::IsBeforeStart() const {
+  return !motion_.known() && was_measured_ && last_.has_scan;
+}
+
+FrameContext PoseFinder::SinceLastData(FrameContext context) const {
+  context.interval.periods += periods_unknown_;
+  return context;
+}
+
 FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& context,
                            const LocalMap& map, const LandmarkMap& landmarks,
                            const Executor& executor, StageTimes* times) {
   if (!has_first_) return First(frame, context);
-  if (!motion_.known() && was_measured_ && last_.has_scan) {
-    return FindStart(frame, context, landmarks, executor, times);
+  if (IsBeforeStart()) {
+    if (IsWithoutData(frame)) return BeforeStart(frame, context);
+    return FindStart(frame, SinceLastData(context), landmarks, executor, times);
   }
   const MotionPrediction predicted = Expect(context.interval);
   const bool is_due = frames_ % options_.mapping.interval == 0;
@@ -321,6 +341,11 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
 
 void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
                          const FrameContext& context) {
+  if (has_first_ && IsBeforeStart() && IsWithoutData(frame)) {  // the frame before stays the first
+    periods_unknown_ += context.interval.periods;
+    ++frames_;
+    return;
+  }
   const TrackedPose& tracked = found.tracked;
   const std::optional<Slip> slip = WatchTraffic(frame, found, context);
   was_carried_away_ = slip.has_value();
@@ -339,8 +364,8 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
   const bool is_settled =
       is_measured && !found.bridge && motion_.known() && found.origin == PoseOrigin::kPrediction;
   if (has_first_ && found.status != FrameStatus::kFirst) {
-    const bool tells_velocity =
-        !found.bridge && (found.origin != PoseOrigin::kAlignment || !motion_.known());
+    const bool tells_velocity = (!found.bridge || !motion_.known()) &&
+                                (found.origin != PoseOrigin::kAlignment || !motion_.known());
     if (is_measured && tells_velocity) {
       motion_.Update(slip ? slip->T_prev_cur : tracked.Motion(T_odom_prev_),
                      tracked.step_covariance, tracked.start.periods);

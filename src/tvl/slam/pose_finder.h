@@ -143,6 +143,11 @@ class PoseFinder {
   std::optional<Slip> WatchTraffic(const PreprocessedFrame& frame, const FoundPose& found,
                                    const FrameContext& context);
   FoundPose First(const PreprocessedFrame& frame, const FrameContext& context) const;
+  // There is a scan and no motion yet: the next frame with data tells it, whatever lies between.
+  bool IsBeforeStart() const;
+  static bool IsWithoutData(const PreprocessedFrame& frame);
+  FrameContext SinceLastData(FrameContext context) const;
+  FoundPose BeforeStart(const PreprocessedFrame& frame, const FrameContext& context) const;
   FoundPose FindStart(const PreprocessedFrame& frame, const FrameContext& context,
                       const LandmarkMap& landmarks, const Executor& executor, StageTimes* times);
   TrackedPose FollowStart(const PreprocessedFrame& frame, MotionPrediction start,
