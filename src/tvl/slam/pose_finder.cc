@@ -140,14 +140,14 @@ void PoseFinder::TryMotions(const PreprocessedFrame& frame, const FrameContext& 
 }
 
 Rigid3d PoseFinder::SearchCentre(const MotionPrediction& predicted) const {
-  if (periods_unknown_ == 0 || frames_ % 2 == 0) return T_odom_known_;
+  if (periods_unknown_ + periods_skipped_ == 0 || frames_ % 2 == 0) return T_odom_known_;
   // In the plane it was last seen in: heights held forward for seconds are worth nothing.
   const Rigid3d T_known_cur = T_odom_known_.Inverse() * T_odom_prev_ * predicted.T_prev_cur;
   return T_odom_known_ * Rigid3d::Translation(T_known_cur.t().x(), T_known_cur.t().y(), 0.0);
 }
 
 double PoseFinder::SearchYaw_rad() const {
-  const double unknown_s = periods_unknown_ * setup_.lidar.sweep_s;
+  const double unknown_s = (periods_unknown_ + periods_skipped_) * setup_.lidar.sweep_s;
   return std::min(
       options_.search.max_yaw_window_rad,
       options_.search.yaw_window_rad + options_.search.lost_yaw_rate_rad_per_s * unknown_s);
@@ -263,27 +263,37 @@ bool PoseFinder::IsWithoutData(const PreprocessedFrame& frame) {
   return !frame.has_scan && !frame.has_image;
 }
 
-bool PoseFinder::IsBeforeStart() const {
-  return !motion_.known() && was_measured_ && last_.has_scan;
+FrameContext PoseFinder::SinceLastData(FrameContext context) const {
+  if (periods_skipped_ == 0) return context;
+  context.interval.periods += periods_skipped_;
+  context.interval.nearest_periods += periods_skipped_;
+  if (context.interval.verdict == StampVerdict::kRegular) {
+    context.interval.verdict = StampVerdict::kGap;
+  }
+  return context;
 }
 
-FrameContext PoseFinder::SinceLastData(FrameContext context) const {
-  context.interval.periods += periods_unknown_;
-  return context;
+FoundPose PoseFinder::Skip(const PreprocessedFrame& frame, const FrameContext& context) const {
+  FoundPose found;
+  found.tracked = HeldForward(frame, Predict(context.interval));
+  found.origin = PoseOrigin::kNone;
+  found.status = StatusOf(frame, found.tracked, Health::kBad);
+  return found;
 }
 
 FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& context,
                            const LocalMap& map, const LandmarkMap& landmarks,
                            const Executor& executor, StageTimes* times) {
   if (!has_first_) return First(frame, context);
-  if (IsBeforeStart()) {
-    if (IsWithoutData(frame)) return BeforeStart(frame, context);
-    return FindStart(frame, SinceLastData(context), landmarks, executor, times);
+  if (IsWithoutData(frame)) return Skip(frame, context);
+  if (!motion_.known() && was_measured_ && last_.has_scan) {
+    return FindStart(frame, context, landmarks, executor, times);
   }
   const MotionPrediction predicted = Expect(context.interval);
   const bool is_due = frames_ % options_.mapping.interval == 0;
   const auto is_reachable = [&](const Rigid3d& T_odom_lidar) {
-    return IsReachable(motion_, periods_unknown_ + kMostLostPeriods, context.interval.period_s,
+    const int periods = periods_unknown_ + context.interval.periods - 1 + kMostLostPeriods;
+    return IsReachable(motion_, periods, context.interval.period_s,
                        T_odom_known_.Inverse() * T_odom_lidar);
   };
   Search search{{T_odom_prev_, map, landmarks, is_due},
@@ -341,11 +351,12 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
 
 void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
                          const FrameContext& context) {
-  if (has_first_ && IsBeforeStart() && IsWithoutData(frame)) {  // the frame before stays the first
-    periods_unknown_ += context.interval.periods;
-    ++frames_;
+  ++frames_;
+  if (has_first_ && IsWithoutData(frame)) {
+    periods_skipped_ = context.interval.periods;
     return;
   }
+  periods_skipped_ = 0;
   const TrackedPose& tracked = found.tracked;
   const std::optional<Slip> slip = WatchTraffic(frame, found, context);
   was_carried_away_ = slip.has_value();
@@ -388,7 +399,6 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
   is_provisional_ = found.is_provisional;
   T_odom_prev_ = slip ? tracked.T_odom_lidar * slip->T_slip : tracked.T_odom_lidar;
   last_ = std::move(frame);
-  ++frames_;
 }
 
 double PoseFinder::MayHaveTravelled_m() const {

@@ -77,6 +77,9 @@ class PoseFinder {
  public:
   PoseFinder(const SensorSetup& setup, Deskew deskew, const SlamOptions& options);
 
+  // Of a frame after others without data: the time since the last one that had any.
+  FrameContext SinceLastData(FrameContext context) const;
+
   // What is expected, before the frame is preprocessed.
   MotionPrediction Predict(const FrameInterval& interval) const {
     return motion_.Predict(interval.periods, interval.period_s);
@@ -143,11 +146,10 @@ class PoseFinder {
   std::optional<Slip> WatchTraffic(const PreprocessedFrame& frame, const FoundPose& found,
                                    const FrameContext& context);
   FoundPose First(const PreprocessedFrame& frame, const FrameContext& context) const;
-  // There is a scan and no motion yet: the next frame with data tells it, whatever lies between.
-  bool IsBeforeStart() const;
   static bool IsWithoutData(const PreprocessedFrame& frame);
-  FrameContext SinceLastData(FrameContext context) const;
-  FoundPose BeforeStart(const PreprocessedFrame& frame, const FrameContext& context) const;
+  // A frame without data: where the vehicle would have come to. The next one with data continues
+  // the last one that had any, as if there had been none between.
+  FoundPose Skip(const PreprocessedFrame& frame, const FrameContext& context) const;
   FoundPose FindStart(const PreprocessedFrame& frame, const FrameContext& context,
                       const LandmarkMap& landmarks, const Executor& executor, StageTimes* times);
   TrackedPose FollowStart(const PreprocessedFrame& frame, MotionPrediction start,
@@ -204,6 +206,7 @@ class PoseFinder {
   bool is_settled_ = false;                           // it was where constant velocity had it
   int frames_ = 0;
   int periods_unknown_ = 0;  // since the last known pose
+  int periods_skipped_ = 0;  // from the last frame with data to the last one, if that had none
   Rigid3d T_odom_prev_, T_odom_known_;
   Matrix6d covariance_unknown_ = Matrix6d::Zero();  // of the way since the last known pose
   PreprocessedFrame last_;

@@ -22,14 +22,6 @@ FoundPose PoseFinder::First(const PreprocessedFrame& frame, const FrameContext& 
   return found;
 }
 
-FoundPose PoseFinder::BeforeStart(const PreprocessedFrame& frame,
-                                  const FrameContext& context) const {
-  FoundPose found;
-  found.tracked = HeldForward(frame, Predict(context.interval));
-  found.status = StatusOf(frame, found.tracked, Health::kBad);
-  return found;
-}
-
 // The scan before was compensated without a known motion. The one found now does it better, which
 // makes it better itself: its error falls by half each time.
 TrackedPose PoseFinder::FollowStart(const PreprocessedFrame& frame, MotionPrediction start,
@@ -104,9 +96,6 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
   best.status =
       StatusOf(frame, best.tracked, best.tracked.is_measured ? Health::kGood : Health::kBad);
   best.is_uncertain = best.status == FrameStatus::kDegraded && IsStepUncertain(best.tracked);
-  if (periods_unknown_ > 0 && IsMeasured(best.status)) {
-    best.bridge = Bridge{T_odom_known_, context.interval.periods};
-  }
   return best;
 }
 

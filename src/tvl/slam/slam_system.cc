@@ -80,6 +80,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   FrameContext context;
   const SensorFrame checked = WithoutOddData(input, setup_);
   const SensorFrame frame = WithoutRepetitions(checked, &context);
+  context = finder_.SinceLastData(context);
   FrameResult result;
   result.id = frame.id;
   result.stamp = frame.stamp;
@@ -200,7 +201,14 @@ ImageFeatures SlamSystem::DescribeImage(const SensorFrame& frame,
 }
 
 void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
-  const Rigid3d T_odom_prev = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
+  // Across frames without data a pose continues the last one that was measured.
+  const bool is_across = IsMeasured(result.status) && !found.bridge && known_.path + 1 < path_.size();
+  if (is_across) {
+    path_m_ = known_.path_m;
+    keyframe_covariance_ = known_.keyframe_covariance;
+  }
+  Rigid3d T_odom_prev;
+  if (!path_.empty()) T_odom_prev = path_[is_across ? known_.path : path_.size() - 1].T_odom_lidar;
   const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev);
   last_motion_ = {T_prev_cur, found.tracked.start.duration_s()};
   const bool is_lost = result.status == FrameStatus::kLost;
@@ -210,20 +218,25 @@ void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
   const Matrix6d adjoint = T_prev_cur.Inverse().Adjoint();
   keyframe_covariance_ =
       (adjoint * keyframe_covariance_ * adjoint.transpose() + result.step_covariance).eval();
+  if (is_across) MoveBetween(T_odom_prev, result.T_odom_lidar);
   if (found.bridge) LayBridge(*found.bridge, result.T_odom_lidar);
 }
 
-// The frames in between move along one screw motion from the last known pose to the found one.
 void SlamSystem::LayBridge(const Bridge& bridge, const Rigid3d& T_odom_lidar) {
-  const Rigid3d T_known_found = bridge.T_odom_known.Inverse() * T_odom_lidar;
+  MoveBetween(bridge.T_odom_known, T_odom_lidar);
+  path_m_ = known_.path_m + (bridge.T_odom_known.Inverse() * T_odom_lidar).t().norm();
+  // Both ends were measured against one map: what lies between says nothing of their relation.
+  keyframe_covariance_ = known_.keyframe_covariance;
+}
+
+// Along one screw motion from the last known pose to the one of this frame.
+void SlamSystem::MoveBetween(const Rigid3d& T_odom_known, const Rigid3d& T_odom_lidar) {
+  const Rigid3d T_known_cur = T_odom_known.Inverse() * T_odom_lidar;
   const size_t steps = path_.size() - known_.path;
   for (size_t i = known_.path + 1; i < path_.size(); ++i) {
     const double share = static_cast<double>(i - known_.path) / static_cast<double>(steps);
-    path_[i].T_odom_lidar = bridge.T_odom_known * Scale(share, T_known_found);
+    path_[i].T_odom_lidar = T_odom_known * Scale(share, T_known_cur);
   }
-  path_m_ = known_.path_m + T_known_found.t().norm();
-  // Both ends were measured against one map: what lies between says nothing of their relation.
-  keyframe_covariance_ = known_.keyframe_covariance;
 }
 
 void SlamSystem::Describe(const PreprocessedFrame& frame, const FoundPose& found,

@@ -118,6 +118,8 @@ class SlamSystem {
   // Path and covariance since the last keyframe; the stretch before a pose that was found again.
   void Advance(const FoundPose& found, const FrameResult& result);
   void LayBridge(const Bridge& bridge, const Rigid3d& T_odom_lidar);
+  // The frames since the last known pose.
+  void MoveBetween(const Rigid3d& T_odom_known, const Rigid3d& T_odom_lidar);
   bool IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult& result) const;
   // Lost for too long: the map begins anew at this frame.
   void Restart(const FrameResult& result, const Executor& executor);
