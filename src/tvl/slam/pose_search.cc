@@ -56,15 +56,18 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
   return motions;
 }
 
-// Wheels roll along the heading: a vehicle that has turned by some angle has moved in the direction
-// it looked in on the way, half that angle. Of the way it has moved, so much may be across, as when
-// changing lanes in a hurry (3.5 m in 10 m), and the known pose may be off by a little.
+// Wheels roll along the heading: a vehicle has moved in a direction between the one it looked in
+// and the one it looks in now. Of the way it has moved, so much may be across, as when changing
+// lanes in a hurry (3.5 m in 10 m), and the known pose may be off by a little.
 bool IsSideways(const Rigid3d& T_known_cur) {
   constexpr double kShare = 0.35, kMargin_m = 0.5;
-  const Eigen::Vector2d moved_m = T_known_cur.t().head<2>();
-  const double half_yaw = 0.5 * T_known_cur.Log()(2);
-  const double across_m = moved_m.y() * std::cos(half_yaw) - moved_m.x() * std::sin(half_yaw);
-  return std::abs(across_m) > kMargin_m + kShare * moved_m.norm();
+  const double moved_m = T_known_cur.t().head<2>().norm();
+  const double direction_rad = std::atan2(T_known_cur.t().y(), T_known_cur.t().x());
+  const double yaw_rad = T_known_cur.Log()(2);
+  const double beyond_rad = std::max(
+      {std::min(0.0, yaw_rad) - direction_rad, direction_rad - std::max(0.0, yaw_rad), 0.0});
+  const double across_m = moved_m * std::sin(std::min(beyond_rad, 1.57));
+  return across_m > kMargin_m + kShare * moved_m;
 }
 
 bool IsReachable(const MotionModel& model, int max_periods, double period_s,

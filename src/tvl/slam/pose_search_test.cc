@@ -103,6 +103,7 @@ TEST(IsReachable, NotSidewaysButRoundACorner) {
   EXPECT_FALSE(is_reachable(2.0, -11.0, 0.0));
   EXPECT_FALSE(is_reachable(10.0, -11.0, 0.0));
   EXPECT_TRUE(is_reachable(8.0, -8.0, -1.57));
+  EXPECT_TRUE(is_reachable(12.0, -3.0, -1.5)) << "straight on, then round";
   EXPECT_FALSE(is_reachable(8.0, 8.0, -1.57)) << "turned right, and went left";
   EXPECT_TRUE(is_reachable(12.0, 3.5, 0.1)) << "into the next lane";
 }

@@ -202,7 +202,8 @@ ImageFeatures SlamSystem::DescribeImage(const SensorFrame& frame,
 
 void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
   // Across frames without data a pose continues the last one that was measured.
-  const bool is_across = IsMeasured(result.status) && !found.bridge && known_.path + 1 < path_.size();
+  const bool is_across =
+      IsMeasured(result.status) && !found.bridge && known_.path + 1 < path_.size();
   if (is_across) {
     path_m_ = known_.path_m;
     keyframe_covariance_ = known_.keyframe_covariance;
