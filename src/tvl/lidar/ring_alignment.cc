@@ -92,9 +92,10 @@ RingAlignment AlignRingsToBeams(const std::vector<RingProfile>& rings,
   constexpr double kBetween = 1e-4;  // a few rings that would otherwise be one row off
   // Less than between two rings by (0.3 deg)^2: one ring that would otherwise be one row off.
   constexpr double kBefore = kBetween - 3e-5;
-  const EmptyRowPenalty empty = ReachesLowestBeam(rings, beam_elevation_rad)
-                                    ? EmptyRowPenalty{kBefore, kBetween, kRefused}
-                                    : EmptyRowPenalty{kBetween, kBetween, 0.0};
+  std::vector<EmptyRowPenalty> ends = {{kBetween, kBetween, 0.0}};  // the file was cut off
+  if (ReachesLowestBeam(rings, beam_elevation_rad)) {
+    ends.push_back({kBefore, kBetween, kRefused});  // upper beams looked at the sky
+  }
   const double count = static_cast<double>(rings.size());
   RingAlignment best;
   double best_score = std::numeric_limits<double>::infinity();
@@ -102,13 +103,15 @@ RingAlignment AlignRingsToBeams(const std::vector<RingProfile>& rings,
     const std::vector<double> elevation_rad = Elevations(rings, height_m);
     for (int step = -20; step <= 20; ++step) {
       const double offset_rad = DegToRad(0.05 * step);
-      Path path = CheapestPath(elevation_rad, beam_elevation_rad, offset_rad, empty);
-      // Neither is free: among like fits the smaller wins.
-      const double score =
-          path.cost / count + 1e-3 * offset_rad * offset_rad + 1e-6 * height_m * height_m;
-      if (score >= best_score) continue;
-      best_score = score;
-      best = {std::move(path.row), offset_rad, height_m, std::sqrt(path.cost / count)};
+      for (const EmptyRowPenalty& empty : ends) {
+        Path path = CheapestPath(elevation_rad, beam_elevation_rad, offset_rad, empty);
+        // Neither is free: among like fits the smaller wins.
+        const double score =
+            path.cost / count + 0.01 * offset_rad * offset_rad + 1e-6 * height_m * height_m;
+        if (score >= best_score) continue;
+        best_score = score;
+        best = {std::move(path.row), offset_rad, height_m, std::sqrt(path.cost / count)};
+      }
     }
   }
   return best;

@@ -22,9 +22,9 @@ struct RingAlignment {
 // By the beams' nominal elevations. Allowed for are a common offset of the elevation and a common
 // height of the beams' origin over the sensor's: in KITTI's scans beams start 0.20 m (upper block)
 // and 0.12 m (lower block) above the origin, so that a ring seen at 5 m appears 2 deg too high. The
-// smallest of both that fit are taken. Rings are missing at one end only: at the upper one if the
-// lowest ring looks about as far down as the lowest beam (upper beams looked at the sky), else at
-// the lower one (the file was cut off).
+// smallest of both that fit are taken. Rings are missing at one end only: at the lower one (the
+// file was cut off) or, if the lowest ring looks about as far down as the lowest beam, at the upper
+// one (upper beams looked at the sky), whichever fits better.
 RingAlignment AlignRingsToBeams(const std::vector<RingProfile>& rings,
                                 const std::vector<double>& beam_elevation_rad);
 

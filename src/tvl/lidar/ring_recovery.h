@@ -50,7 +50,7 @@ struct RingAssignment {
 // What earlier scans of a sensor showed.
 struct RingMemory {
   std::vector<RingProfile> complete;  // the rings of a scan with as many as there are beams
-  int scans = 0;                      // complete ones since
+  int scans = 0;                      // complete ones so far
 };
 
 // `geometry` belongs to `scan`. Throws InputError if a given ring lies outside the sensor's beams,

@@ -254,7 +254,7 @@ TEST(RingRecovery, RealScansCutOffKeepTheirRows) {
         "kitti_odometry_00_first10/velodyne/000003.bin"}) {
     const LidarScan scan = test::ReadKittiScan(data + "/sequences/" + name);
     const RingAssignment full = Recover(scan);
-    for (const size_t rings : {8u, 20u, 33u, 50u, 60u}) {
+    for (const size_t rings : {8u, 20u, 33u, 50u, 60u, 61u, 62u, 63u}) {
       LidarScan cut;
       for (size_t i = 0; i < scan.size() && full.row[i] < rings; ++i) {
         cut.points.push_back(scan.points[i]);

@@ -35,11 +35,14 @@ double Mean(const std::vector<double>& values) {
 }
 
 // Times that are all alike say nothing.
-bool GivesTimes(const SensorFrame& frame) {
-  if (frame.scan == nullptr || frame.scan->time_offset_s.empty()) return false;
-  const std::vector<float>& offset_s = frame.scan->time_offset_s;
-  const auto [first, last] = std::minmax_element(offset_s.begin(), offset_s.end());
-  return *last > *first;
+bool GivesTimes(const LidarScan& scan) {
+  float first_s = std::numeric_limits<float>::infinity(), last_s = -first_s;
+  for (const float offset_s : scan.time_offset_s) {
+    if (!std::isfinite(offset_s)) continue;
+    first_s = std::min(first_s, offset_s);
+    last_s = std::max(last_s, offset_s);
+  }
+  return last_s > first_s;
 }
 
 // Mean of other - best over the frames, in standard errors.
@@ -103,15 +106,18 @@ DeskewTrial::Contender& DeskewTrial::DefaultContender() {
                        [&](const Contender& c) { return c.answer == default_answer_; });
 }
 
-void DeskewTrial::BelieveTimes() {
-  has_times_ = true;
+void DeskewTrial::UsePointTimes() {
+  has_point_times_ = true;
   default_answer_ = Deskew::kClockwise;
   contenders_.erase(contenders_.begin() + 2);
   log_residuals_sq_.resize(contenders_.size());
 }
 
 const FrameResult& DeskewTrial::ProcessFrame(const SensorFrame& frame, const Executor& executor) {
-  if (contenders_.front().frames.empty() && GivesTimes(frame)) BelieveTimes();
+  if (!has_seen_scan_ && frame.scan != nullptr && !frame.scan->points.empty()) {
+    has_seen_scan_ = true;
+    if (GivesTimes(*frame.scan)) UsePointTimes();
+  }
   const Executor alone(1);  // one thread a contender
   executor.For(contenders_.size(), 1, [&](size_t begin, size_t) {
     Contender& contender = contenders_[begin];
@@ -128,8 +134,8 @@ const FrameResult& DeskewTrial::ProcessFrame(const SensorFrame& frame, const Exe
 }
 
 std::string DeskewTrial::TextOf(Deskew answer) const {
-  return has_times_ && answer == Deskew::kClockwise ? "raw, by the times of the points"
-                                                    : ToString(answer);
+  return has_point_times_ && answer == Deskew::kClockwise ? "raw, by the times of the points"
+                                                          : ToString(answer);
 }
 
 bool DeskewTrial::IsOver() const {
@@ -146,8 +152,7 @@ DeskewDecision DeskewTrial::Judge() const {
   reason << std::setprecision(3);
   if (decision.informative < options_.min_informative) {
     reason << "only " << decision.informative << " of the first " << contenders_[0].frames.size()
-           << " frames turn enough to tell; the input's default is taken: "
-           << TextOf(default_answer_);
+           << " frames turn enough to tell; the default is taken: " << TextOf(default_answer_);
     decision.reason = reason.str();
     return decision;
   }
@@ -170,7 +175,7 @@ DeskewDecision DeskewTrial::Judge() const {
     decision.deskew = best;
     decision.verdict = DeskewVerdict::kDecided;
   } else {
-    reason << ": too close to decide, the input's default is taken: " << TextOf(default_answer_);
+    reason << ": too close to decide, the default is taken: " << TextOf(default_answer_);
   }
   decision.reason = reason.str();
   return decision;

@@ -72,13 +72,14 @@ class DeskewTrial {
 
  private:
   Contender& DefaultContender();
-  void BelieveTimes();  // of the points
+  void UsePointTimes();
   std::string TextOf(Deskew answer) const;
 
   DeskewDecisionOptions options_;
   Deskew default_answer_;
   std::vector<Contender> contenders_;
-  bool has_times_ = false;
+  bool has_seen_scan_ = false;
+  bool has_point_times_ = false;  // the first scan had
   // Logarithms of the squared median residuals (m^2) of the informative frames, one list a
   // contender.
   std::vector<std::vector<double>> log_residuals_sq_;

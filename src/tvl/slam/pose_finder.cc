@@ -351,11 +351,12 @@ FoundPose PoseFinder::Find(const PreprocessedFrame& frame, const FrameContext& c
 
 void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
                          const FrameContext& context) {
-  ++frames_;
   if (has_first_ && IsWithoutData(frame)) {
     periods_skipped_ = context.interval.periods;
+    was_carried_away_ = false;
     return;
   }
+  ++frames_;
   periods_skipped_ = 0;
   const TrackedPose& tracked = found.tracked;
   const std::optional<Slip> slip = WatchTraffic(frame, found, context);

@@ -164,7 +164,7 @@ class PoseFinder {
   // may have stopped there, and about where it would have gone on to.
   Rigid3d SearchCentre(const MotionPrediction& predicted) const;
   double SearchYaw_rad() const;  // half the window
-  // Of coarse alignments, those with the most evidence as they are, best first.
+  // Of coarse alignments, the first two and those with the most evidence as they are.
   std::vector<Rigid3d> BestLying(const PreprocessedFrame& frame, const KeyframeCloud& cloud,
                                  const LocalMap& map,
                                  const std::vector<Rigid3d>& T_odom_lidar) const;

@@ -1,4 +1,6 @@
 // The first motion: nothing is expected of it, and raw scans are not compensated yet.
+#include <algorithm>
+
 #include "tvl/slam/pose_finder.h"
 
 namespace tvl {
@@ -57,7 +59,8 @@ FoundPose PoseFinder::FindStart(const PreprocessedFrame& frame, const FrameConte
   LocalMap map(options_.mapping.local_map);
   map.Add({0, 0.0, T_odom_prev_, std::make_shared<const KeyframeCloud>(before)}, executor);
   const std::vector<Rigid3d> aligned = AlignWithoutGuess(
-      AllPoints(here), map, T_odom_prev_, options_.search.start_radius_m * context.interval.periods,
+      AllPoints(here), map, T_odom_prev_,
+      std::min(options_.search.radius_m, options_.search.start_radius_m * context.interval.periods),
       options_.search.yaw_window_rad, options_.search, executor);
   for (const Rigid3d& T_odom : BestLying(frame, here, map, aligned)) {
     starts.push_back(starts[1]);

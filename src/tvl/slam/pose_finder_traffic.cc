@@ -58,7 +58,7 @@ std::optional<RoadMotion> PoseFinder::MeasureRoad(const PreprocessedFrame& frame
   if (!road) return std::nullopt;
   // Before traffic was noticed, what is expected may come from it.
   const bool is_clear = StandingMotion::Of(*road).decides_alone ||
-                        (frames_ < kFirst_frames && traffic_.IsOfMost(*road));
+                        (frames_ < kFirst_frames && traffic_.HasMajority(*road));
   if (!traffic_.carries_estimate() && is_clear) return road;
   // What keeps pace with the vehicle, such as the shadow of the car before it, agrees, too.
   const Eigen::Matrix2d covariance = predicted.covariance.block<2, 2>(3, 3) + road->covariance_m2;

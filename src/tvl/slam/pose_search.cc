@@ -23,6 +23,18 @@ std::vector<Eigen::Vector2f> Raised(const std::vector<Eigen::Vector3f>& points,
   return raised;
 }
 
+// Wheels roll along the heading: a vehicle has moved in a direction between the one it looked in
+// and the one it looks in now. Of the way it has moved, so much may be across, as when changing
+// lanes in a hurry (3.5 m in 10 m), and the known pose may be off by a little.
+bool IsSideways(const Eigen::Vector2d& moved_m, double yaw_rad) {
+  constexpr double kShare = 0.35, kMargin_m = 0.5;
+  const double direction_rad = std::atan2(moved_m.y(), moved_m.x());
+  const double beyond_rad = std::max(
+      {std::min(0.0, yaw_rad) - direction_rad, direction_rad - std::max(0.0, yaw_rad), 0.0});
+  const double across_m = moved_m.norm() * std::sin(std::min(beyond_rad, 1.57));
+  return across_m > kMargin_m + kShare * moved_m.norm();
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3f> AllPoints(const KeyframeCloud& cloud) {
@@ -56,31 +68,24 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
   return motions;
 }
 
-// Wheels roll along the heading: a vehicle has moved in a direction between the one it looked in
-// and the one it looks in now. Of the way it has moved, so much may be across, as when changing
-// lanes in a hurry (3.5 m in 10 m), and the known pose may be off by a little.
-bool IsSideways(const Rigid3d& T_known_cur) {
-  constexpr double kShare = 0.35, kMargin_m = 0.5;
-  const double moved_m = T_known_cur.t().head<2>().norm();
-  const double direction_rad = std::atan2(T_known_cur.t().y(), T_known_cur.t().x());
-  const double yaw_rad = T_known_cur.Log()(2);
-  const double beyond_rad = std::max(
-      {std::min(0.0, yaw_rad) - direction_rad, direction_rad - std::max(0.0, yaw_rad), 0.0});
-  const double across_m = moved_m * std::sin(std::min(beyond_rad, 1.57));
-  return across_m > kMargin_m + kShare * moved_m;
-}
-
 bool IsReachable(const MotionModel& model, int max_periods, double period_s,
                  const Rigid3d& T_known_cur) {
   constexpr double kAcceleration_m_s2 = 4.0;  // braking and cornering of a car in a hurry
   constexpr double kMargin_m = 0.5;           // of the pose before
   if (!model.known()) return true;
-  if (IsSideways(T_known_cur)) return false;
+  const Eigen::Vector2d moved_m = T_known_cur.t().head<2>();
+  const double yaw_rad = T_known_cur.Log()(2);
+  const bool can_be_ahead = !IsSideways(moved_m, yaw_rad);
+  const bool can_be_behind = !IsSideways(-moved_m, yaw_rad);
+  const double speed_m_s = model.T_period().t().x() / period_s;
   for (int periods = 1; periods <= max_periods; ++periods) {
     const double time_s = periods * period_s;
     const double reach_m = kMargin_m + 0.5 * kAcceleration_m_s2 * time_s * time_s;
     const Eigen::Vector3d straight_m = periods * model.T_period().t();
-    if ((T_known_cur.t() - straight_m).norm() < reach_m) return true;
+    if ((T_known_cur.t() - straight_m).norm() >= reach_m) continue;
+    // Half the time to come to a stand, half to reverse.
+    const bool may_reverse = speed_m_s < 0.5 * kAcceleration_m_s2 * time_s;
+    if (can_be_ahead || (may_reverse && can_be_behind)) return true;
   }
   return false;
 }

@@ -106,6 +106,7 @@ TEST(IsReachable, NotSidewaysButRoundACorner) {
   EXPECT_TRUE(is_reachable(12.0, -3.0, -1.5)) << "straight on, then round";
   EXPECT_FALSE(is_reachable(8.0, 8.0, -1.57)) << "turned right, and went left";
   EXPECT_TRUE(is_reachable(12.0, 3.5, 0.1)) << "into the next lane";
+  EXPECT_TRUE(is_reachable(-2.0, 0.2, 0.0)) << "from a stand backwards";
 }
 
 TEST(IsReachable, FollowsTheMotionThroughLostScansAndNotBackOrSideways) {

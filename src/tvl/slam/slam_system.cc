@@ -202,24 +202,26 @@ ImageFeatures SlamSystem::DescribeImage(const SensorFrame& frame,
 
 void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
   // Across frames without data a pose continues the last one that was measured.
-  const bool is_across =
+  const bool follows_skipped =
       IsMeasured(result.status) && !found.bridge && known_.path + 1 < path_.size();
-  if (is_across) {
+  if (follows_skipped) {
     path_m_ = known_.path_m;
     keyframe_covariance_ = known_.keyframe_covariance;
   }
   Rigid3d T_odom_prev;
-  if (!path_.empty()) T_odom_prev = path_[is_across ? known_.path : path_.size() - 1].T_odom_lidar;
+  if (!path_.empty())
+    T_odom_prev = path_[follows_skipped ? known_.path : path_.size() - 1].T_odom_lidar;
   const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev);
   last_motion_ = {T_prev_cur, found.tracked.start.duration_s()};
   const bool is_lost = result.status == FrameStatus::kLost;
   const int lost_scan = found.tracked.cloud.planes.points.empty() ? 0 : 1;
-  lost_scans_ = is_lost ? lost_scans_ + lost_scan : 0;
+  if (IsMeasured(result.status)) lost_scans_ = 0;
+  if (is_lost) lost_scans_ += lost_scan;
   path_m_ += T_prev_cur.t().norm();
   const Matrix6d adjoint = T_prev_cur.Inverse().Adjoint();
   keyframe_covariance_ =
       (adjoint * keyframe_covariance_ * adjoint.transpose() + result.step_covariance).eval();
-  if (is_across) MoveBetween(T_odom_prev, result.T_odom_lidar);
+  if (follows_skipped) MoveBetween(T_odom_prev, result.T_odom_lidar);
   if (found.bridge) LayBridge(*found.bridge, result.T_odom_lidar);
 }
 
@@ -291,6 +293,7 @@ void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   local_map_ = LocalMap(options_.mapping.local_map);
   AddKeyframe(result, {last_cloud_, {}}, executor);
   if (loop_closer_ != nullptr) CloseLoops(executor);
+  known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
   finder_.Restart();
   moving_tracks_.Forget();
   lost_scans_ = 0;

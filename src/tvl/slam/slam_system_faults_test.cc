@@ -126,6 +126,23 @@ TEST_P(FaultsOn, LostScansAreFoundOut) {
   EXPECT_NE(renumbered.frames[20].origin, PoseOrigin::kPrediction);
 }
 
+// From the first frame on, and while braking: every scan is followed as if there were no frames
+// between, and those lie on the way between the scans.
+TEST_P(FaultsOn, FramesWithoutDataBetweenScansCostNothing) {
+  const Drive drive(Straight(37, 9.0, GetParam()));
+  for (const size_t every : {2u, 3u}) {
+    SCOPED_TRACE(every);
+    std::vector<Delivery> deliveries = AsDriven(37);
+    for (size_t i = 0; i < deliveries.size(); ++i) deliveries[i].dark = i % every != 0;
+    const Played played = Play(drive, deliveries, GetParam());
+    ExpectRight(drive, played, 0.1);
+    for (size_t i = 0; i < deliveries.size(); ++i) {
+      EXPECT_EQ(IsMeasured(played.frames[i].status), !deliveries[i].dark) << "frame " << i;
+      EXPECT_LT(Error_m(drive, played, i), 0.15) << "frame " << i;
+    }
+  }
+}
+
 TEST_P(FaultsOn, RepeatedScansAreLeftOut) {
   const Drive drive(Straight(20, 9.0, GetParam()));
   std::vector<Delivery> twice;

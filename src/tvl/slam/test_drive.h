@@ -15,9 +15,8 @@ namespace tvl::synthetic {
 
 struct DriveOptions {
   size_t frames = 20;
-  Deskew spin = Deskew::kNone;
-  Deskew point_times = Deskew::kNone;  // as of this spin; kNone: points have no times  // raw scans
-                                       // of a lidar that spins so; none: compensated
+  Deskew spin = Deskew::kNone;         // raw scans of a lidar that spins so; none: compensated
+  Deskew point_times = Deskew::kNone;  // as of this spin; none: points have no times
   bool camera = false;
   double speed_m_s = 8.0;
   double sway_m = 1.0;  // half width of the snake line driven

@@ -116,7 +116,7 @@ bool TrafficMonitor::Contradicts(const StandingMotion& standing, const Rigid3d& 
          IsSignificant({slip_m, standing.covariance_m2, standing.T_prev_cur.t().head<2>().norm()});
 }
 
-bool TrafficMonitor::IsOfMost(const RoadMotion& road) const {
+bool TrafficMonitor::HasMajority(const RoadMotion& road) const {
   const auto agreeing = static_cast<double>(road.agreeing.size());
   return agreeing >= options_.min_start_share * road.tracks &&
          agreeing >= 2.0 * road.agreeing_with_guess;
@@ -126,7 +126,7 @@ bool TrafficMonitor::Start(const Rigid3d& T_prev_cur, const RoadMotion& road, do
   Forget();
   const double step_m = road.T_prev_cur.t().head<2>().norm();
   const double slip_m = (road.T_prev_cur.t() - T_prev_cur.t()).head<2>().norm();
-  carries_ = IsOfMost(road) && step_m < options_.max_speed_m_s * duration_s &&
+  carries_ = HasMajority(road) && step_m < options_.max_speed_m_s * duration_s &&
              slip_m > options_.min_slip_m + options_.slip_share * step_m;
   return carries_;
 }

@@ -74,7 +74,7 @@ class TrafficMonitor {
   void Interrupt() { window_.clear(); }
   // Whether most tracks agree on the motion, and few of them with what was guessed: while nothing
   // is expected of the motion, that is as good as it gets.
-  bool IsOfMost(const RoadMotion& road) const;
+  bool HasMajority(const RoadMotion& road) const;
   // Of the first motion there is, which nothing was expected of. Returns carries_estimate().
   bool Start(const Rigid3d& T_prev_cur, const RoadMotion& road, double duration_s);
   // Whether what stands in the corridor moves, at least in part: `fit` is that of the frame's
