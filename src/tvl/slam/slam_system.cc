@@ -128,6 +128,8 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
 
   last_cloud_ = found.tracked.cloud;
   last_status_ = result.status;
+  const bool has_data = current.has_scan || current.has_image;
+  if (trace != nullptr && !has_data) trace->frame = current;
   finder_.Advance(std::move(current), found, context);
   if (finder_.was_carried_away()) {
     landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
@@ -139,7 +141,10 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     result.map_begins_anew = true;
   }
   if (found.is_uncertain) result.status = FrameStatus::kPredicted;  // what was measured is kept
-  if (trace != nullptr) *trace = {finder_.last_frame(), last_motion_};
+  if (trace != nullptr) {
+    if (has_data) trace->frame = finder_.last_frame();
+    trace->motion = last_motion_;
+  }
   result.times.total_ms = total.ElapsedMs();
   return result;
 }
@@ -209,8 +214,9 @@ void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
     keyframe_covariance_ = known_.keyframe_covariance;
   }
   Rigid3d T_odom_prev;
-  if (!path_.empty())
+  if (!path_.empty()) {
     T_odom_prev = path_[follows_skipped ? known_.path : path_.size() - 1].T_odom_lidar;
+  }
   const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev);
   last_motion_ = {T_prev_cur, found.tracked.start.duration_s()};
   const bool is_lost = result.status == FrameStatus::kLost;

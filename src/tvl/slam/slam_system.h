@@ -38,7 +38,8 @@ struct FrameResult {
   Rigid3d T_odom_lidar;
   Rigid3d T_world_lidar;
   FrameStatus status = FrameStatus::kFirst;
-  // Of T_{k-1,k} in the body frame of k, right perturbation, [rotation, translation].
+  // Of T_{k-1,k} in the body frame of k (of the whole stretch since the last frame with data, where
+  // frames without any lie between), right perturbation, [rotation, translation].
   Matrix6d step_covariance = Matrix6d::Zero();
   MotionEstimate odometry;   // T_ref_body = T_{k-1,k}
   ScanToMapResult map_step;  // in the odometry frame; status kFirst where it did not run
@@ -72,8 +73,8 @@ class SlamSystem {
              bool in_background = false);
 
   // Frames in order of time. Never throws for what is wrong with a frame's data: what no stage can
-  // work with is left out and is a fault of the frame. A `trace` is
-  // filled where one is given, and left as it is for a frame that repeats the one before.
+  // work with is left out and is a fault of the frame. A `trace` is filled where one is given, and
+  // left as it is for a frame that repeats the one before.
   FrameResult ProcessFrame(const SensorFrame& frame, const Executor& executor,
                            FrameTrace* trace = nullptr);
 

@@ -126,8 +126,8 @@ TEST_P(FaultsOn, LostScansAreFoundOut) {
   EXPECT_NE(renumbered.frames[20].origin, PoseOrigin::kPrediction);
 }
 
-// From the first frame on, and while braking: every scan is followed as if there were no frames
-// between, and those lie on the way between the scans.
+// From the first frame on every scan is followed as if there were no frames between, and those lie
+// on the way between the scans.
 TEST_P(FaultsOn, FramesWithoutDataBetweenScansCostNothing) {
   const Drive drive(Straight(37, 9.0, GetParam()));
   for (const size_t every : {2u, 3u}) {
