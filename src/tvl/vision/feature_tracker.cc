@@ -53,30 +53,52 @@ cv::Point2f Map(const cv::Matx33d& H, const cv::Point2f& px) {
   return {static_cast<float>(p[0] / p[2]), static_cast<float>(p[1] / p[2])};
 }
 
+// The part of an image of `size` in which the points are looked for: they may have moved by as much
+// as the short search reaches. Its corners fall on pixels of every level.
+cv::Rect AreaOf(const std::vector<cv::Point2f>& points_px, cv::Size size,
+                const OpticalFlowOptions& options) {
+  const int unit = 1 << options.seeded_level, reach = 2 * options.window_px;
+  const cv::Rect box = cv::boundingRect(points_px);
+  const cv::Point first(std::max(box.x - reach, 0) / unit * unit,
+                        std::max(box.y - reach, 0) / unit * unit);
+  const cv::Point last(std::min(box.br().x + reach, size.width) / unit * unit,
+                       std::min(box.br().y + reach, size.height) / unit * unit);
+  return {first, last};
+}
+
 // Follows the points that warp, from the previous image as it should look now: fills in what is
-// found there, and leaves the rest of `flow` as it is.
+// found there, and leaves the rest of `flow` as it is. Only the part of the image with these points
+// is warped.
 void FollowWarped(const ImagePyramid& previous, const ImagePyramid& current, const cv::Matx33d& H,
                   const std::vector<cv::Point2f>& points_px,
                   const std::vector<const PixelPrediction*>& predicted,
                   const OpticalFlowOptions& options, std::vector<FlowPoint>* flow) {
+  const cv::Rect2f image({}, previous.size());
   std::vector<cv::Point2f> warped_px;
-  std::vector<FlowSeed> seeds;
   std::vector<size_t> index;
   for (size_t i = 0; i < predicted.size(); ++i) {
     if (predicted[i] == nullptr || !predicted[i]->warps) continue;
-    warped_px.push_back(Map(H, points_px[i]));
-    seeds.push_back({warped_px.back(), true});
+    const cv::Point2f px = Map(H, points_px[i]);
+    if (!image.contains(px)) continue;  // leaves the image
+    warped_px.push_back(px);
     index.push_back(i);
   }
+  if (index.empty()) return;
   OpticalFlowOptions near = options;  // the seeds are good: no need to search far
   near.max_level = options.seeded_level;
+  const cv::Rect area = AreaOf(warped_px, previous.size(), near);
+  const cv::Point2f corner = area.tl();
+  std::vector<FlowSeed> seeds;
+  for (cv::Point2f& px : warped_px) seeds.push_back({px -= corner, true});
+  const cv::Matx33d to_area(1, 0, -area.x, 0, 1, -area.y, 0, 0, 1);
   cv::Mat warped;
-  cv::warpPerspective(previous.grey(), warped, H, previous.size(), cv::INTER_LINEAR,
+  cv::warpPerspective(previous.grey(), warped, to_area * H, area.size(), cv::INTER_LINEAR,
                       cv::BORDER_REPLICATE);
-  const std::vector<FlowPoint> found =
-      TrackPoints(ImagePyramid(warped, near), current, warped_px, seeds, near);
+  const std::vector<FlowPoint> found = TrackPoints(
+      ImagePyramid(warped, near), current.Part(area, near.max_level), warped_px, seeds, near);
   for (size_t k = 0; k < index.size(); ++k) {
-    if (found[k].status == FlowStatus::kTracked) (*flow)[index[k]] = found[k];
+    if (found[k].status != FlowStatus::kTracked) continue;
+    (*flow)[index[k]] = {found[k].px + corner, FlowStatus::kTracked};
   }
 }
 

@@ -89,6 +89,22 @@ ImagePyramid::ImagePyramid(cv::Mat grey, const OpticalFlowOptions& options)
                               cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
 }
 
+ImagePyramid ImagePyramid::Part(const cv::Rect& area, int max_level) const {
+  TVL_CHECK(max_level <= max_level_ &&
+            ((area.x | area.y | area.width | area.height) & ((1 << max_level) - 1)) == 0)
+      << "the corners of a part fall on pixels of every level";
+  ImagePyramid part;
+  part.grey_ = grey_(area);
+  part.window_px_ = window_px_;
+  part.max_level_ = max_level;
+  for (size_t k = 0; k < levels_.size() && static_cast<int>(k / 2) <= max_level; ++k) {
+    const int level = static_cast<int>(k / 2);  // grey and gradient take turns
+    part.levels_.push_back(levels_[k](
+        cv::Rect(area.x >> level, area.y >> level, area.width >> level, area.height >> level)));
+  }
+  return part;
+}
+
 ImagePyramid::ImagePyramid(const ImagePyramid& other) { *this = other; }
 
 ImagePyramid& ImagePyramid::operator=(const ImagePyramid& other) {

@@ -22,11 +22,16 @@ struct OpticalFlowOptions {
   void Check() const;  // throws InputError naming the field
 };
 
-// An image and its pyramid (with derivatives). Copies are deep: no two share pixels.
+// An image and its pyramid (with derivatives). Copies are deep: no two share pixels, but for Part.
 class ImagePyramid {
  public:
   ImagePyramid() = default;
   ImagePyramid(cv::Mat grey, const OpticalFlowOptions& options);
+
+  // The levels 0..max_level of `area`, which lies in the image and whose corners are multiples of
+  // 2^max_level px. It sees the pixels of this pyramid, which must outlive it.
+  ImagePyramid Part(const cv::Rect& area, int max_level) const;
+
   ImagePyramid(const ImagePyramid& other);
   ImagePyramid& operator=(const ImagePyramid& other);
   ImagePyramid(ImagePyramid&&) = default;

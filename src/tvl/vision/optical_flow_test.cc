@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "tvl/base/check.h"
 #include "tvl/vision/corner_detector.h"
 #include "tvl/vision/synthetic_texture.h"
@@ -80,6 +82,31 @@ TEST(ImagePyramid, CopiesShareNothing) {
   EXPECT_NE(copy.levels().front().data, original.levels().front().data);
   EXPECT_EQ(cv::norm(copy.levels()[2], original.levels()[2], cv::NORM_INF), 0.0);
   EXPECT_TRUE(ImagePyramid(ImagePyramid()).empty());
+}
+
+// A part of an odd-sized image, in its corner: flow there is that of the whole image.
+TEST(ImagePyramid, FlowInAPartIsThatOfTheWhole) {
+  const cv::Mat before = MakeTexture({201, 121}, 7);
+  cv::Mat after;
+  cv::warpAffine(before, after, cv::Matx23d(1, 0, 1.3, 0, 1, -0.6), before.size(), cv::INTER_CUBIC,
+                 cv::BORDER_REFLECT_101);
+  const ImagePyramid previous(before, kOptions), current(after, kOptions);
+  const cv::Rect area(100, 60, 100, 60);
+  const std::vector<cv::Point2f> in_image = {{140.0f, 90.0f}, {150.5f, 84.0f}, {160.0f, 100.0f}};
+  std::vector<cv::Point2f> in_area;
+  for (const cv::Point2f& px : in_image) in_area.emplace_back(px.x - 100.0f, px.y - 60.0f);
+  OpticalFlowOptions near = kOptions;
+  near.max_level = near.seeded_level;
+  const std::vector<FlowPoint> whole = TrackPoints(previous, current, in_image, {}, near);
+  const std::vector<FlowPoint> part = TrackPoints(
+      previous.Part(area, near.max_level), current.Part(area, near.max_level), in_area, {}, near);
+  for (size_t i = 0; i < in_image.size(); ++i) {
+    ASSERT_EQ(whole[i].status, FlowStatus::kTracked);
+    ASSERT_EQ(part[i].status, FlowStatus::kTracked);
+    EXPECT_NEAR(part[i].px.x + 100.0f, whole[i].px.x, 0.01f);
+    EXPECT_NEAR(part[i].px.y + 60.0f, whole[i].px.y, 0.01f);
+  }
+  EXPECT_THROW(previous.Part(cv::Rect(101, 60, 90, 40), 1), Error);
 }
 
 TEST(OpticalFlow, CheckNamesTheField) {
