@@ -103,7 +103,7 @@ void WriteTruth(const fs::path& out, const Dataset& dataset) {
 // What took longest to find first.
 void WriteResults(const fs::path& out, const RunResult& result, const RunContext& context) {
   const Trajectory& trajectory = result.trajectory;
-  const Rigid3d& T_cam0_lidar = context.setup.calibration.T_cam0_lidar;
+  const Rigid3d& T_cam0_lidar = result.calibration.T_cam0_lidar;
   WriteKittiPoses((out / "trajectory_kitti.txt").string(), ToKittiPoses(trajectory, T_cam0_lidar));
   WriteKittiPoses((out / "odometry_kitti.txt").string(), OdometryPoses(result, T_cam0_lidar));
   WriteTumTrajectory((out / "trajectory_tum.txt").string(), trajectory);
@@ -139,6 +139,7 @@ void PrintSummary(const RunResult& result, const RunContext& context, const std:
   if (!result.loop_fault.empty()) {
     std::cout << "the loop search ended early: " << result.loop_fault << "\n";
   }
+  std::cout << ExtrinsicsText(result.extrinsics);
   if (faulty > 0) std::cout << faulty << " frames with faults, see run.json\n";
   if (predicted > 0) std::cout << predicted << " frames bridged by prediction\n";
   const std::string store_fault = result.map.store->fault();

@@ -49,11 +49,24 @@ std::vector<ReprojectionMatch> LandmarkMap::Match(const FeatureTracks& tracks,
   return matches;
 }
 
+Eigen::Vector3d LandmarkMap::MeanAnchor_m(const FeatureTracks& tracks,
+                                          const Eigen::Vector3d& otherwise_m) const {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const FeatureTrack& track : tracks.tracks) {
+    const auto found = landmarks_.find(track.id);
+    if (found == landmarks_.end()) continue;
+    sum_m += found->second.anchor_m;
+    ++count;
+  }
+  return count == 0 ? otherwise_m : Eigen::Vector3d(sum_m / count);
+}
+
 LandmarkMap::Landmark LandmarkMap::Anchor(const FeatureTrack& track, const VisualDepth& depth,
                                           const Rigid3d& T_world_lidar) const {
   const TrackPoint point = LocateTrack(track, depth, options_.sigma_px / calibration_.camera.fx_px,
                                        T_world_lidar * calibration_.T_cam_lidar.Inverse());
-  return {point.p_world, point.covariance_m2, depth.sigma_m};
+  return {point.p_world, point.covariance_m2, depth.sigma_m, T_world_lidar.t()};
 }
 
 void LandmarkMap::Update(const FeatureTracks& tracks, const VisualDepths& depths,

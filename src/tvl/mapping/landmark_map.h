@@ -31,6 +31,11 @@ class LandmarkMap {
   std::vector<ReprojectionMatch> Match(const FeatureTracks& tracks,
                                        const Rigid3d& T_world_guess) const;
 
+  // From where the tracks' landmarks were placed, on average: a lidar position, world, m. Where
+  // none is known: `otherwise_m`.
+  Eigen::Vector3d MeanAnchor_m(const FeatureTracks& tracks,
+                               const Eigen::Vector3d& otherwise_m) const;
+
   // After the frame's pose is known: drops what vanished or contradicts, adds what has depth.
   void Update(const FeatureTracks& tracks, const VisualDepths& depths,
               const Rigid3d& T_world_lidar);
@@ -42,8 +47,9 @@ class LandmarkMap {
     Eigen::Vector3d p_world;
     Eigen::Matrix3d covariance_m2;  // world
     double depth_sigma_m;
-    int age = 0;         // frames since it was anchored
-    int rejections = 0;  // in a row
+    Eigen::Vector3d anchor_m;  // lidar position from where it was placed, world
+    int age = 0;               // frames since it was anchored
+    int rejections = 0;        // in a row
   };
   Landmark Anchor(const FeatureTrack& track, const VisualDepth& depth,
                   const Rigid3d& T_world_lidar) const;

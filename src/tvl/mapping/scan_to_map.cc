@@ -53,10 +53,15 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-PoseProblemSetup SetupOf(const Rigid3d& T_cam_lidar, const PosePrior& prior,
-                         const ScanToMapOptions& options) {
+PoseProblemSetup SetupOf(const Sources& sources, const Calibration& calibration,
+                         const PosePrior& prior, const ScanToMapOptions& options) {
   PoseProblemSetup setup;
-  setup.T_cam_lidar = T_cam_lidar;
+  setup.extrinsics = {calibration.T_cam_lidar, calibration.rotation_covariance};
+  if (options.use_camera) {
+    setup.T_ref_seen =
+        Rigid3d(prior.T_world_lidar.q(),
+                sources.landmarks.MeanAnchor_m(sources.tracks, prior.T_world_lidar.t()));
+  }
   setup.bins = SweepBins::Compensated();
   setup.prior = PriorTerm::Of(prior.T_world_lidar, prior.covariance, options.prior_share);
   setup.kernel_sigmas = options.kernel_sigmas;
@@ -138,10 +143,10 @@ MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
 
 ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
                            const LandmarkMap& landmarks, const FeatureTracks& tracks,
-                           const Rigid3d& T_cam_lidar, const PosePrior& prior,
+                           const Calibration& calibration, const PosePrior& prior,
                            const ScanToMapOptions& options, const Executor& executor) {
   const Sources sources{points, map, landmarks, tracks};
-  PoseProblem problem(SetupOf(T_cam_lidar, prior, options), executor);
+  PoseProblem problem(SetupOf(sources, calibration, prior, options), executor);
   PoseSolution solution;
   solution.T = prior.T_world_lidar;
   EstimateStatus status = EstimateStatus::kNotConverged;

@@ -78,7 +78,7 @@ MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
 // `landmarks` may be empty. Thread-safe.
 ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
                            const LandmarkMap& landmarks, const FeatureTracks& tracks,
-                           const Rigid3d& T_cam_lidar, const PosePrior& prior,
+                           const Calibration& calibration, const PosePrior& prior,
                            const ScanToMapOptions& options, const Executor& executor);
 
 }  // namespace tvl

@@ -16,7 +16,7 @@ namespace {
 using synthetic::Twist;
 using synthetic::World;
 
-const Rigid3d kCamLidar = synthetic::CameraAndLidar().T_cam_lidar;
+const Calibration kCalibration = synthetic::CameraAndLidar();
 
 std::shared_ptr<KeyframeCloud> CloudAt(const World& world, const Rigid3d& T, uint64_t seed) {
   const LaserFeatures features =
@@ -63,7 +63,7 @@ ScanToMapResult Refine(const KeyframeCloud& cloud, const LocalMap& map, const Po
   const ScanToMapOptions options;
   const MapStepPoints points =
       ThinForMapStep(cloud.planes.points, cloud.edges.points, options.source_voxel_m);
-  return RefinePose(points, map, NoLandmarks(), {}, kCamLidar, prior, options, Executor(1));
+  return RefinePose(points, map, NoLandmarks(), {}, kCalibration, prior, options, Executor(1));
 }
 
 // The frame the map is asked about, and how wrong the prior is (right perturbation).
@@ -176,7 +176,7 @@ TEST(RefinePose, IsTheSameToTheBitForAnyThreadCount) {
   const ScanToMapOptions options;
   const MapStepPoints points = ThinForMapStep(cloud->planes.points, cloud->edges.points, 0.3);
   const auto refine = [&](int threads) {
-    return RefinePose(points, map, NoLandmarks(), {}, kCamLidar,
+    return RefinePose(points, map, NoLandmarks(), {}, kCalibration,
                       Prior(kTruth * kPriorError, 0.05, 0.5), options, Executor(threads))
         .estimate.T_ref_body.Log();
   };
@@ -219,8 +219,8 @@ struct InTunnel {
     options.use_camera = use_camera;
     const MapStepPoints points =
         ThinForMapStep(cloud->planes.points, cloud->edges.points, options.source_voxel_m);
-    return RefinePose(points, map, landmarks, tracks, kCamLidar, Prior(T_prior, 0.01, 0.3), options,
-                      Executor(1));
+    return RefinePose(points, map, landmarks, tracks, kCalibration, Prior(T_prior, 0.01, 0.3),
+                      options, Executor(1));
   }
 };
 

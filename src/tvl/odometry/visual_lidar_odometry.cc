@@ -84,7 +84,7 @@ void VisualLidarOdometry::Reset() {
 PoseProblem VisualLidarOdometry::MakeProblem(const MotionGuess& guess, const SweepBins& bins,
                                              const Executor& executor) const {
   PoseProblemSetup setup;
-  setup.T_cam_lidar = calibration_.T_cam_lidar;
+  setup.extrinsics = {calibration_.T_cam_lidar, calibration_.rotation_covariance};
   setup.bins = bins;
   if (guess.known) setup.prior = PriorTerm::Of(guess.T_prev_cur, guess.covariance);
   setup.kernel_sigmas = options_.kernel_sigmas;

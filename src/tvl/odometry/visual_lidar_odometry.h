@@ -66,6 +66,9 @@ class VisualLidarOdometry {
   void Advance(const PreprocessedFrame& frame, std::vector<Eigen::Vector3f> edges,
                std::vector<Eigen::Vector3f> planes);
 
+  // From the next frame on.
+  void SetCalibration(const Calibration& calibration) { calibration_ = calibration; }
+
   // Forgets the reference: the next frame is a first one.
   void Reset();
 

@@ -53,6 +53,30 @@ NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T) {
   return n;
 }
 
+Eigen::Matrix<double, 6, 3> ExtrinsicError::Effect(const Rigid3d& T_ref_body) const {
+  // Exp(w) T Exp(-w) = T Exp(Ad(T^-1) w) Exp(-w), T the motion of the camera.
+  const Rigid3d T_camref_cam = T_cam_lidar * T_ref_body * T_cam_lidar.Inverse();
+  const Matrix6d change = T_camref_cam.Inverse().Adjoint() - Matrix6d::Identity();
+  return T_cam_lidar.Inverse().Adjoint() * change.leftCols<3>();
+}
+
+NormalEquations WithExtrinsicError(const NormalEquations& visual,
+                                   const Eigen::Matrix<double, 6, 3>& effect,
+                                   const Eigen::Matrix3d& rotation_covariance) {
+  // (C^-1 + E'HE)^-1 = C (I + E'HE C)^-1, which also holds where C is singular.
+  const Eigen::Matrix<double, 6, 3> cross = visual.H * effect;
+  const Eigen::Matrix3d within = effect.transpose() * cross;
+  const Eigen::Matrix3d covariance =
+      rotation_covariance * (Eigen::Matrix3d::Identity() + within * rotation_covariance).inverse();
+  const Eigen::Matrix3d symmetric = 0.5 * (covariance + covariance.transpose());
+  const Eigen::Vector3d gradient = effect.transpose() * visual.b;
+  NormalEquations rest = visual;
+  rest.H -= cross * symmetric * cross.transpose();
+  rest.b -= cross * symmetric * gradient;
+  rest.cost -= 0.5 * gradient.dot(symmetric * gradient);
+  return rest;
+}
+
 PoseProblem::PoseProblem(const PoseProblemSetup& setup, const Executor& executor)
     : setup_(setup), executor_(executor), prior_(setup.prior) {}
 
@@ -73,7 +97,17 @@ LaserSum PoseProblem::Laser(const Rigid3d& T) const {
 }
 
 VisualSum PoseProblem::Visual(const Rigid3d& T) const {
-  return Linearize(visual_, T, setup_.T_cam_lidar, setup_.visual_kernel_sigmas);
+  const ExtrinsicError& extrinsics = setup_.extrinsics;
+  VisualSum sum = Linearize(visual_, T, extrinsics.T_cam_lidar, setup_.visual_kernel_sigmas);
+  if (!extrinsics.rotation_covariance.isZero(0.0)) {
+    sum.normal =
+        WithExtrinsicError(sum.normal, EffectOfExtrinsics(T), extrinsics.rotation_covariance);
+  }
+  return sum;
+}
+
+Eigen::Matrix<double, 6, 3> PoseProblem::EffectOfExtrinsics(const Rigid3d& T) const {
+  return setup_.extrinsics.Effect(setup_.T_ref_seen ? setup_.T_ref_seen->Inverse() * T : T);
 }
 
 ShiftedEquations PoseProblem::WithoutCamera(const ShiftedPose& pose) const {
@@ -94,8 +128,11 @@ VisualMatches PoseProblem::Gated(const Rigid3d& T) const {
   solver.max_iterations = 2;
   const PoseSolution alone = SolveShiftedPose(
       T, [&](const ShiftedPose& at) { return WithoutCamera(at); }, solver);
-  const Matrix6d covariance = CovarianceOf(alone.at_T.H, alone.T, setup_.gate_covariance);
-  return Gate(visual_, alone.T, setup_.T_cam_lidar, covariance, setup_.visual_gate_sigmas);
+  const Eigen::Matrix<double, 6, 3> effect = EffectOfExtrinsics(alone.T);
+  const Matrix6d covariance = CovarianceOf(alone.at_T.H, alone.T, setup_.gate_covariance) +
+                              effect * setup_.extrinsics.rotation_covariance * effect.transpose();
+  return Gate(visual_, alone.T, setup_.extrinsics.T_cam_lidar, covariance,
+              setup_.visual_gate_sigmas);
 }
 
 PoseSolution PoseProblem::Solve(const Rigid3d& T) const {

@@ -32,8 +32,29 @@ PriorTerm WholeAlongWeak(const PriorTerm& prior, const std::vector<WeakDirection
 // Equations of 0.5 r' information r with r = Log(prior.T^-1 T).
 NormalEquations Linearize(const PriorTerm& prior, const Rigid3d& T);
 
-struct PoseProblemSetup {
+// What extrinsics that are not known exactly do to the camera's measurement of a motion: one error
+// of the camera's rotation, common to all visual matches, turns the way it has come. The rotation
+// of the motion is hardly touched.
+struct ExtrinsicError {
   Rigid3d T_cam_lidar;
+  Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();  // rad^2, camera axes; zero: none
+
+  // A camera that really is at Exp(w) T_cam_lidar shows the motion T_ref_body as one at T_cam_lidar
+  // shows T_ref_body Exp(E w): this is E, to first order.
+  Eigen::Matrix<double, 6, 3> Effect(const Rigid3d& T_ref_body) const;
+};
+
+// The visual equations at a motion with that error eliminated: of the information H remains
+// (H^-1 + E C E')^-1, with E the error's effect and C its covariance.
+NormalEquations WithExtrinsicError(const NormalEquations& visual,
+                                   const Eigen::Matrix<double, 6, 3>& effect,
+                                   const Eigen::Matrix3d& rotation_covariance);
+
+struct PoseProblemSetup {
+  ExtrinsicError extrinsics;
+  // From where visual matches were seen before: the camera measures the motion since. Without a
+  // value that of the pose's reference.
+  std::optional<Rigid3d> T_ref_seen;
   SweepBins bins;  // of the laser matches
   PriorTerm prior;
   double kernel_sigmas = 2.0;         // laser, Cauchy
@@ -80,7 +101,9 @@ class PoseProblem {
 
  private:
   LaserSum Laser(const Rigid3d& T) const;
+  // The error of the extrinsics eliminated.
   VisualSum Visual(const Rigid3d& T) const;
+  Eigen::Matrix<double, 6, 3> EffectOfExtrinsics(const Rigid3d& T) const;
   ShiftedEquations WithoutCamera(const ShiftedPose& pose) const;
   VisualMatches Gated(const Rigid3d& T) const;
   Matrix6d CovarianceOf(const Matrix6d& H, const Rigid3d& T,

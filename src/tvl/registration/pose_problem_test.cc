@@ -49,7 +49,7 @@ PoseProblemSetup SetupWith(const PriorTerm& prior) {
   PoseProblemSetup setup;
   Eigen::Matrix3d R;
   R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  setup.T_cam_lidar = Rigid3d(R, Eigen::Vector3d::Zero());
+  setup.extrinsics.T_cam_lidar = Rigid3d(R, Eigen::Vector3d::Zero());
   setup.bins = SweepBins::Compensated();
   setup.prior = prior;
   return setup;
@@ -213,9 +213,9 @@ VisualMatches See(const Rigid3d& T, const Rigid3d& T_cam_lidar, int count, uint6
 TEST(PoseProblem, MatchesThatContradictAreDroppedAndTheRestHoldsTheAxis) {
   const Rigid3d T_prior = Rigid3d::Translation(-0.1, 0.0, 0.0) * kTrue;
   PoseProblemSetup setup = SetupWith(PriorTerm::Of(T_prior, Covariance(0.01, 0.05)));
-  VisualMatches visual = See(kTrue, setup.T_cam_lidar, 60, 4);
+  VisualMatches visual = See(kTrue, setup.extrinsics.T_cam_lidar, 60, 4);
   const Rigid3d T_lorry = Rigid3d::Translation(0.0, 3.0, 0.0) * kTrue;
-  for (const auto& moving : See(T_lorry, setup.T_cam_lidar, 40, 5).forward) {
+  for (const auto& moving : See(T_lorry, setup.extrinsics.T_cam_lidar, 40, 5).forward) {
     visual.forward.push_back(moving);
   }
   PoseProblem problem(setup, kExecutor);
@@ -229,6 +229,65 @@ TEST(PoseProblem, MatchesThatContradictAreDroppedAndTheRestHoldsTheAxis) {
   EXPECT_EQ(evidence.visual, 60);
   EXPECT_LT(evidence.visual_rms, 0.005);
   EXPECT_GT(evidence.plane_rms_m, 0.015);
+}
+
+TEST(ExtrinsicError, ShowsAMotionAsAnotherOne) {
+  const Rigid3d T_cam_lidar = SetupWith({}).extrinsics.T_cam_lidar;
+  const Eigen::Vector3d w(0.002, -0.003, 0.001);
+  const Rigid3d T_true = Rigid3d(ExpSo3(w), Eigen::Vector3d::Zero()) * T_cam_lidar;
+  const Rigid3d T_motion = Rigid3d::Exp(Twist(0.01, 0.02, 0.2, 4.0, 0.5, 0.1));
+  const ExtrinsicError error{T_cam_lidar, {}};
+  const Rigid3d shown = T_motion * Rigid3d::Exp(error.Effect(T_motion) * w);
+  EXPECT_THAT(T_cam_lidar * shown * T_cam_lidar.Inverse(),
+              Rigid3dNear(T_true * T_motion * T_true.Inverse(), 2e-6, 5e-5));
+}
+
+TEST(ExtrinsicError, AddsItsCovarianceToTheMeasurement) {
+  Rng rng(2);
+  NormalEquations visual;
+  for (int i = 0; i < 20; ++i) {
+    const Vector6d row =
+        Twist(rng.Normal(), rng.Normal(), rng.Normal(), rng.Normal(), rng.Normal(), rng.Normal());
+    visual.H += row * row.transpose();
+    visual.b += 0.1 * rng.Normal() * row;
+  }
+  const ExtrinsicError error{SetupWith({}).extrinsics.T_cam_lidar, {}};
+  const Eigen::Matrix<double, 6, 3> effect = error.Effect(Rigid3d::Translation(3.0, 0.2, 0.0));
+  Eigen::Matrix3d covariance = Eigen::Vector3d(0.1, 0.2, 0.0).asDiagonal();  // may be singular
+  const NormalEquations rest = WithExtrinsicError(visual, effect, covariance);
+  const Matrix6d expected =
+      (visual.H.inverse() + effect * covariance * effect.transpose()).inverse();
+  EXPECT_LT((rest.H - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_LT((rest.H.ldlt().solve(rest.b) - visual.H.ldlt().solve(visual.b)).norm(), 1e-9)
+      << "alone it says what it said";
+}
+
+// The camera points 0.5 deg elsewhere, and everybody believes it: only if that may be so the laser
+// keeps the direction of motion, and the camera what the laser does not hold.
+TEST(PoseProblem, ExtrinsicsThatMayBeWrongDoNotTurnTheMotion) {
+  PoseProblemSetup setup = SetupWith(PriorTerm::Of(kTrue, Covariance(0.1, 0.5)));
+  const Rigid3d T_real =
+      Rigid3d(ExpSo3({0.006, 0.006, 0.0}), Eigen::Vector3d::Zero()) * setup.extrinsics.T_cam_lidar;
+  // Placed by a camera that is off, too, and seen again 5 m further on.
+  const Rigid3d T_seen = kTrue * Rigid3d::Translation(-5.0, 0.0, 0.0);
+  const Rigid3d T_believed = T_seen * setup.extrinsics.T_cam_lidar.Inverse();
+  VisualMatches visual = See(kTrue, T_real, 200, 7);
+  for (ReprojectionMatch& match : visual.forward) {
+    match.factor.p_ref = T_believed * (T_real * (T_seen.Inverse() * match.factor.p_ref));
+  }
+  const auto error_m = [&](bool may_be_wrong) {
+    if (may_be_wrong) {
+      setup.extrinsics.rotation_covariance = 0.009 * 0.009 * Eigen::Matrix3d::Identity();
+      setup.T_ref_seen = T_seen;
+    }
+    PoseProblem problem(setup, kExecutor);
+    problem.SetMatches(Tube(kTrue, 0, 3), visual, kTrue);
+    EXPECT_GT(problem.visual().size(), 20u);
+    return Eigen::Vector3d((kTrue.Inverse() * problem.Solve(kTrue).T).t());
+  };
+  EXPECT_GT(error_m(false).tail<2>().norm(), 0.01);
+  EXPECT_LT(error_m(true).tail<2>().norm(), 0.004);
+  EXPECT_LT(std::abs(error_m(true).x()), 0.01);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "tvl/base/units.h"
 #include "tvl/report/loop_report.h"
 
 namespace tvl {
@@ -181,6 +182,17 @@ json DeskewReport(const DeskewDecision& decision) {
             {"ccw", decision.residual_sq_m2[2]}}}};
 }
 
+json AnglesDeg(const Eigen::Vector3d& angles_rad) {
+  return {RadToDeg(angles_rad.x()), RadToDeg(angles_rad.y()), RadToDeg(angles_rad.z())};
+}
+
+json ExtrinsicsReport(const ExtrinsicEstimate& estimate) {
+  return {{"rotation_deg", AnglesDeg(estimate.rotation_rad)},
+          {"sigma_deg", AnglesDeg(estimate.sigma_rad)},
+          {"applied_deg", AnglesDeg(estimate.applied_rad)},
+          {"windows", estimate.windows}};
+}
+
 // YAML's scalars are text: numbers and booleans get their type back.
 json ToJson(const YAML::Node& node) {
   json out;
@@ -212,6 +224,7 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                  {"complete", !result.stopped},
                  {"options", ToJson(YAML::Load(context.options_yaml))},
                  {"deskew", DeskewReport(result.deskew)},
+                 {"extrinsics", ExtrinsicsReport(result.extrinsics)},
                  {"counts", Counts(result)},
                  {"timing", Timing(result)},
                  {"wall_s", context.wall_s},
@@ -226,6 +239,31 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                               {"file_bytes", result.map.store->file_bytes()}};
   if (context.setup.seed) report["seed"] = *context.setup.seed;
   return report;
+}
+
+std::string ExtrinsicsText(const ExtrinsicEstimate& estimate) {
+  // By axis of the camera: a positive rotation of the calibration means that the camera points ...
+  struct Turn {
+    const char *positive, *negative;
+  };
+  constexpr Turn kTurns[] = {{"lower", "higher"}, {"further left", "further right"}, {"", ""}};
+  constexpr double kNotable_deg = 1.0;
+  if (estimate.applied_rad.isZero(0.0)) return "";
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(2) << "the camera points";
+  for (int i = 0; i < 2; ++i) {
+    const double angle_deg = RadToDeg(estimate.rotation_rad[i]);
+    out << (i == 0 ? " " : " and ") << std::abs(angle_deg) << " deg "
+        << (angle_deg > 0.0 ? kTurns[i].positive : kTurns[i].negative);
+  }
+  out << ", turned by " << RadToDeg(estimate.rotation_rad.z())
+      << " deg about its axis, against the calibration (sigma " << RadToDeg(estimate.sigma_rad.x())
+      << ", " << RadToDeg(estimate.sigma_rad.y()) << ", " << RadToDeg(estimate.sigma_rad.z())
+      << " deg): corrected\n";
+  if (RadToDeg(estimate.rotation_rad.norm()) > kNotable_deg) {
+    out << "warning: that is far for a calibration: check calib.txt and the size of the images\n";
+  }
+  return out.str();
 }
 
 std::string TimingTable(const RunResult& result) {

@@ -25,8 +25,13 @@ struct RunContext {
 
 // Units are in the keys. Per frame: status, evidence, weak directions and `step_covariance`, the
 // covariance of T_{k-1,k} in the body frame, right perturbation, [rotation (rad), translation (m)],
-// 36 numbers, row-major. Expected failures are counted under `counts`.
+// 36 numbers, row-major. `extrinsics`: what the camera's rotation was found to be off by, about its
+// axes x (right), y (down), z (forward), and what of it was used. Expected failures are counted
+// under `counts`.
 nlohmann::json MakeRunReport(const RunResult& result, const RunContext& context);
+
+// Where the camera was found to point, in words, one line each; empty where nothing was corrected.
+std::string ExtrinsicsText(const ExtrinsicEstimate& estimate);
 
 // Milliseconds a frame by stage and in the grouping of the paper's Table 2, as a small table.
 std::string TimingTable(const RunResult& result);

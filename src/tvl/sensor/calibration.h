@@ -10,6 +10,8 @@ struct Calibration {
   Camera camera;         // the camera whose images are used (KITTI: any of 0..3)
   Rigid3d T_cam_lidar;   // into that camera
   Rigid3d T_cam0_lidar;  // into camera 0, the frame of KITTI poses; equal where there is one camera
+  // What the rotation of T_cam_lidar may be off by, about the camera's axes, rad^2; zero: exact.
+  Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();
 };
 
 }  // namespace tvl

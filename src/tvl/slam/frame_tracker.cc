@@ -174,7 +174,7 @@ void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame, const Rigid3
   const PosePrior prior{T_odom_prior, tracked->odometry.covariance,
                         tracked->odometry.T_ref_body.t().norm()};
   tracked->map_step = RefinePose(points, reference.map, reference.landmarks, frame.tracks,
-                                 setup_.calibration.T_cam_lidar, prior, options, executor);
+                                 setup_.calibration, prior, options, executor);
   if (tracked->map_step.estimate.status == EstimateStatus::kPredicted) {
     tracked->map_step.planes.clear();
     return;

@@ -82,6 +82,12 @@ class FrameTracker {
   // The frame's features, compensated, become what the next frame's odometry is matched against.
   void Advance(const PreprocessedFrame& frame, const KeyframeCloud& cloud);
 
+  // From the next frame on.
+  void SetCalibration(const Calibration& calibration) {
+    setup_.calibration = calibration;
+    odometry_.SetCalibration(calibration);
+  }
+
   // F_ls and F_lf moved to the frame's stamp; unchanged if scans are compensated already.
   KeyframeCloud Compensate(const PreprocessedFrame& frame, const Rigid3d& T_prev_cur,
                            double duration_s) const;

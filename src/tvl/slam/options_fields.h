@@ -397,6 +397,21 @@ void VisitFields(Visitor& visit, TrafficOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
+  TVL_FIELD(enabled);
+  TVL_FIELD(window_m);
+  TVL_FIELD(max_frames);
+  TVL_FIELD(min_tracks);
+  TVL_FIELD(corner_sigma_px);
+  TVL_FIELD(motion_sigma_rad);
+  TVL_FIELD(motion_sigma_share);
+  TVL_FIELD(prior_rad);
+  TVL_FIELD(bias_rad);
+  TVL_FIELD(memory_windows);
+  TVL_FIELD(min_significance);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(preprocessing);
   TVL_FIELD(clock);
@@ -406,6 +421,7 @@ void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(search);
   TVL_FIELD(health);
   TVL_FIELD(traffic);
+  TVL_FIELD(extrinsics);
   TVL_FIELD(loops);
   TVL_FIELD(use_camera);
 }

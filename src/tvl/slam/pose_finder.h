@@ -104,6 +104,12 @@ class PoseFinder {
   // The map begins anew at the last frame, where it was held forward to.
   void Restart();
 
+  // From the next frame on.
+  void SetCalibration(const Calibration& calibration) {
+    setup_.calibration = calibration;
+    tracker_.SetCalibration(calibration);
+  }
+
   // How far the vehicle may be from its last known pose, m: at its last speed, and speeding up.
   double MayHaveTravelled_m() const;
 

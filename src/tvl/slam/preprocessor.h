@@ -29,6 +29,9 @@ class Preprocessor {
                             const BeamOffsets& beams, const Executor& executor, StageTimes* times,
                             std::vector<FrameFault>* faults);
 
+  // From the next frame on.
+  void SetCalibration(const Calibration& calibration) { setup_.calibration = calibration; }
+
   // What loop detection keeps of a keyframe's image, with depth where the lidar knows it (paper
   // 6.1). `motion` is the frame's, as estimated. Empty without a usable image.
   ImageFeatures Describe(const SensorFrame& frame, const PreprocessedFrame& preprocessed,

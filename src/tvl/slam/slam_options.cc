@@ -27,6 +27,7 @@ void SlamOptions::Check() const {
   search.Check();
   health.Check();
   traffic.Check();
+  extrinsics.Check();
   loops.Check();
 }
 

@@ -12,6 +12,7 @@
 #include "tvl/mapping/scan_to_map.h"
 #include "tvl/odometry/visual_lidar_odometry.h"
 #include "tvl/registration/beam_calibration.h"
+#include "tvl/registration/extrinsic_calibration.h"
 #include "tvl/slam/frame_clock.h"
 #include "tvl/slam/health_options.h"
 #include "tvl/slam/loop_closer.h"
@@ -61,6 +62,7 @@ struct SlamOptions {
   PoseSearchOptions search;
   HealthOptions health;
   TrafficOptions traffic;
+  ExtrinsicCalibrationOptions extrinsics;
   LoopOptions loops;
   bool use_camera = true;
   void Check() const;

@@ -142,6 +142,8 @@ RunResult RunSlam(FrameSource& source, const RunOptions& options, const RunObser
     result.trajectory.resize(result.frames.size());
     result.odometry.resize(result.frames.size());
   }
+  result.extrinsics = run.system.extrinsics();
+  result.calibration = run.system.setup().calibration;
   result.loops = run.system.loops();
   result.stopped = result.stopped || result.loops.second_look_stopped;
   result.loop_fault = run.system.loop_fault();

@@ -29,7 +29,9 @@ struct RunResult {
   bool loop_search_broke = false;  // that was a defect of the program
   OdometryPath odometry;           // of the same frames, before loops correct it
   DeskewDecision deskew;
-  bool stopped = false;  // the observer or `go_on` said so, or `failure`
+  ExtrinsicEstimate extrinsics;  // against those of the input, or those that fit corrected points
+  Calibration calibration;       // as used at the end
+  bool stopped = false;          // the observer or `go_on` said so, or `failure`
   // What ended the run at a frame after the first keyframe: the results are complete up to there,
   // and it is to be thrown again once they are safe. Null: nothing did.
   std::exception_ptr failure;

@@ -65,6 +65,7 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       landmarks_(setup_.calibration, options_.mapping.landmarks),
       moving_tracks_(setup_.calibration, options_.mapping.moving_tracks),
       beams_(setup.lidar.rows(), options_.mapping.beams),
+      extrinsics_(setup_.calibration, options_.extrinsics),
       loop_thread_(in_background && options_.loops.enabled) {
   setup_.lidar.Check();
   map_.store = std::make_shared<KeyframeStore>(options_.mapping.store);
@@ -72,6 +73,7 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
     loop_closer_ = std::make_shared<LoopCloser>(options_.loops, setup_.calibration, map_.store);
   }
   last_motion_.period_s = setup.lidar.sweep_s;
+  UseExtrinsics();
 }
 
 FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& executor,
@@ -107,9 +109,13 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   if (IsMeasured(result.status)) {
     CalibrateBeams(found, current);
     if (options_.use_camera) {
-      if (found.bridge) moving_tracks_.Forget();
+      if (found.bridge) {
+        moving_tracks_.Forget();
+        extrinsics_.Forget();
+      }
       moving_tracks_.Update(all_tracks, all_depths, result.T_odom_lidar);
       landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
+      CalibrateExtrinsics(current.tracks, result.T_odom_lidar);
     }
   }
   result.is_keyframe = IsDueKeyframe(current, result);
@@ -134,6 +140,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   if (finder_.was_carried_away()) {
     landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
     moving_tracks_.Forget();
+    extrinsics_.Forget();
   }
   if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan &&
       finder_.MayHaveTravelled_m() > kSurroundings_m) {
@@ -287,6 +294,28 @@ void SlamSystem::CalibrateBeams(const FoundPose& found, const PreprocessedFrame&
              options_.mapping.scan_to_map.kernel_sigmas);
 }
 
+// What was placed with other extrinsics is let go of.
+void SlamSystem::CalibrateExtrinsics(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar) {
+  const bool has_changed = extrinsics_.Add(tracks, T_odom_lidar);
+  if (has_changed) {  // camera 0 is turned with the one that is used: they sit on one frame
+    Calibration& calibration = setup_.calibration;
+    const Rigid3d T_cam0_cam = calibration.T_cam0_lidar * calibration.T_cam_lidar.Inverse();
+    calibration.T_cam_lidar = extrinsics_.T_cam_lidar();
+    calibration.T_cam0_lidar = T_cam0_cam * calibration.T_cam_lidar;
+  }
+  UseExtrinsics();
+  if (!has_changed) return;
+  landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
+  moving_tracks_ = MovingTracks(setup_.calibration, options_.mapping.moving_tracks);
+}
+
+void SlamSystem::UseExtrinsics() {
+  if (!options_.extrinsics.enabled) return;
+  setup_.calibration.rotation_covariance = extrinsics_.RemainingError();
+  preprocessor_.SetCalibration(setup_.calibration);
+  finder_.SetCalibration(setup_.calibration);
+}
+
 bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult& result) const {
   if (!frame.has_scan || !IsMeasured(result.status)) return false;
   const Rigid3d T_lastkeyframe_cur =
@@ -302,6 +331,7 @@ void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
   finder_.Restart();
   moving_tracks_.Forget();
+  extrinsics_.Forget();
   lost_scans_ = 0;
 }
 

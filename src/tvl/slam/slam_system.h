@@ -15,6 +15,7 @@
 #include "tvl/mapping/landmark_map.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/registration/beam_calibration.h"
+#include "tvl/registration/extrinsic_calibration.h"
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/loop_closer.h"
 #include "tvl/slam/loop_thread.h"
@@ -90,7 +91,9 @@ class SlamSystem {
   // After Finish(): every proposal, what it was judged on, and the graph. Empty without loops.
   const LoopReport& loops() const;
 
-  // As given, with the extrinsics that fit the points as the system uses them.
+  // What the camera's extrinsics were found to be off by.
+  ExtrinsicEstimate extrinsics() const { return extrinsics_.estimate(); }
+  // As given, with the extrinsics as they are known by now.
   const SensorSetup& setup() const { return setup_; }
   // What the beams were found to be off by.
   const BeamOffsets& beam_offsets() const { return beams_.offsets(); }
@@ -114,6 +117,9 @@ class SlamSystem {
   // What a frame's result says of its data and of the pose found.
   void Describe(const PreprocessedFrame& frame, const FoundPose& found, FrameResult* result) const;
   void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
+  void CalibrateExtrinsics(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar);
+  // As far as they are known by now, from the next frame on.
+  void UseExtrinsics();
   // The scan before this one was compensated anew: replaces it where it is a keyframe.
   void ReplaceLastCloud(KeyframeCloud cloud, const Executor& executor);
   // Path and covariance since the last keyframe; the stretch before a pose that was found again.
@@ -145,6 +151,7 @@ class SlamSystem {
   LandmarkMap landmarks_;
   MovingTracks moving_tracks_;
   BeamCalibration beams_;
+  ExtrinsicCalibration extrinsics_;
   Map map_;
   OdometryPath path_;
   PredictedMotion last_motion_;  // of the last frame, as estimated
