@@ -77,7 +77,9 @@ void ExtrinsicCalibrationOptions::Check() const {
   TVL_CHECK_INPUT(prior_rad > 0.0) << "extrinsics.prior_rad: must be positive";
   TVL_CHECK_INPUT(bias_rad >= 0.0) << "extrinsics.bias_rad: must not be negative";
   TVL_CHECK_INPUT(memory_windows >= 1.0) << "extrinsics.memory_windows: must be at least 1";
-  TVL_CHECK_INPUT(min_significance > 0.0) << "extrinsics.min_significance: must be positive";
+  TVL_CHECK_INPUT(doubt_significance > 0.0) << "extrinsics.doubt_significance: must be positive";
+  TVL_CHECK_INPUT(min_significance >= doubt_significance)
+      << "extrinsics.min_significance: must be at least doubt_significance";
 }
 
 ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
@@ -156,6 +158,7 @@ Eigen::Matrix3d ExtrinsicCalibration::Covariance() const {
 }
 
 Eigen::Matrix3d ExtrinsicCalibration::RemainingError() const {
+  if (!in_doubt_) return Eigen::Matrix3d::Zero();
   const Eigen::Vector3d left_rad = Remaining();
   return Covariance() + left_rad * left_rad.transpose();
 }
@@ -164,6 +167,7 @@ bool ExtrinsicCalibration::Apply() {
   const Eigen::Vector3d correction_rad = Remaining();
   const double significance =
       std::sqrt(correction_rad.dot(Covariance().ldlt().solve(correction_rad)));
+  in_doubt_ = in_doubt_ || significance > options_.doubt_significance;
   if (significance < options_.min_significance) return false;
   T_cam_lidar_ = Rigid3d(ExpSo3(correction_rad), Eigen::Vector3d::Zero()) * T_cam_lidar_;
   applied_rad_ = LogSo3((T_cam_lidar_ * given_.Inverse()).q());

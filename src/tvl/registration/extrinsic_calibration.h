@@ -8,9 +8,9 @@
 // calibration with a moving camera; Tsai, Lenz: A new technique for fully autonomous and efficient
 // 3D robotics hand/eye calibration, 1989).
 //
-// While the rotation is not known well, what the camera says of the direction of motion counts for
-// as little as that deserves (ExtrinsicError in pose_problem.h): poses that a wrong camera has
-// pulled along would hide its error.
+// Extrinsics are believed until the drive contradicts them. From then on what the camera says of
+// the direction of motion counts for as little as that deserves (ExtrinsicError in pose_problem.h):
+// poses that a wrong camera has pulled along would hide its error.
 //
 // Not found: the translation (2 cm of it change what is seen in a curve by less than the motion is
 // known to) and the delay of the images (at constant speed it is a translation).
@@ -43,8 +43,10 @@ struct ExtrinsicCalibrationOptions {
   double prior_rad = 0.0044;  // 0.25 deg
   // Directions of motion that all windows share are biased by this much: beams, vegetation that is
   // seen deeper the nearer one comes.
-  double bias_rad = 5e-4;         // 0.03 deg
-  double memory_windows = 50;     // after which a window counts for 1/e
+  double bias_rad = 5e-4;      // 0.03 deg
+  double memory_windows = 50;  // after which a window counts for 1/e
+  // From an error of so many standard deviations on, the extrinsics count as uncertain.
+  double doubt_significance = 2.0;
   double min_significance = 3.0;  // of a correction, in standard deviations; smaller is not used
   void Check() const;             // throws InputError naming the field
 };
@@ -71,8 +73,8 @@ class ExtrinsicCalibration {
 
   // The extrinsics to use: as given, until a correction is significant.
   const Rigid3d& T_cam_lidar() const { return T_cam_lidar_; }
-  // What may be wrong with them: mean square error of the rotation, camera axes, rad^2, with what
-  // is believed to be wrong but not yet corrected.
+  // Zero until something contradicts them. Then what may be wrong with them: mean square error of
+  // the rotation, camera axes, rad^2, with what is believed to be wrong but not yet corrected.
   Eigen::Matrix3d RemainingError() const;
   ExtrinsicEstimate estimate() const;
 
@@ -100,6 +102,7 @@ class ExtrinsicCalibration {
   Eigen::Vector3d b_ = Eigen::Vector3d::Zero();
   std::deque<View> views_;
   int windows_ = 0;
+  bool in_doubt_ = false;
 };
 
 }  // namespace tvl

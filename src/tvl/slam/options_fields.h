@@ -408,6 +408,7 @@ void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(prior_rad);
   TVL_FIELD(bias_rad);
   TVL_FIELD(memory_windows);
+  TVL_FIELD(doubt_significance);
   TVL_FIELD(min_significance);
 }
 
