@@ -6,8 +6,8 @@
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
+#include "tvl/geometry/voxel_thinning.h"
 #include "tvl/lidar/scan_geometry.h"
-#include "tvl/lidar/voxel_thinning.h"
 
 namespace tvl {
 namespace {
@@ -27,10 +27,9 @@ class RowPicker {
   RowPicker(const SegmentedScan& scan, const LidarModel& model, const LaserFeatureOptions& options)
       : scan_(scan),
         options_(options),
-        noise_m_(static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m)),
-        thinner_(options.less_flat_voxel_m) {}
+        noise_m_(static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m)) {}
 
-  // Points [begin, end) of the scan are the row. Appends to the features.
+  // Points [begin, end) of the scan are the row. Appends to the features, but for F_lf.
   void Pick(size_t begin, size_t end, LaserFeatures* features) {
     begin_ = begin;
     LoadRow(end);
@@ -50,7 +49,21 @@ class RowPicker {
     }
   }
 
+  // F_lf: one of the planar points of all rows a voxel. After the last Pick.
+  std::vector<LaserFeature> LessFlat() const {
+    std::vector<LaserFeature> features;
+    for (const uint32_t k : MiddleOfEachVoxel(planar_points_, options_.less_flat_voxel_m)) {
+      features.push_back(Feature(planar_[k].point, planar_[k].c));
+    }
+    return features;
+  }
+
  private:
+  struct PlanarPoint {
+    size_t point;  // index into the scan
+    float c;
+  };
+
   void LoadRow(size_t end) {
     const size_t n = end - begin_;
     row_.range_m.resize(n), row_.angle_rad.resize(n);
@@ -72,10 +85,12 @@ class RowPicker {
     }
   }
 
-  LaserFeature Feature(int i) const {
-    const size_t p = begin_ + static_cast<size_t>(i);
-    return {scan_.points[p],    scan_.time_offset_s[p], curvature_[static_cast<size_t>(i)].c,
+  LaserFeature Feature(size_t p, float c) const {
+    return {scan_.points[p],    scan_.time_offset_s[p], c,
             scan_.intensity[p], scan_.ring[p],          scan_.label[p]};
+  }
+  LaserFeature Feature(int i) const {
+    return Feature(begin_ + static_cast<size_t>(i), curvature_[static_cast<size_t>(i)].c);
   }
 
   // Keeps later picks away from `i`; the ring is closed.
@@ -105,9 +120,9 @@ class RowPicker {
 
   void PickPlanes(LaserFeatures* features) {
     for (const int i : candidates_.planes) {
-      if (thinner_.IsFirst(scan_.points[begin_ + static_cast<size_t>(i)])) {
-        features->less_flat.push_back(Feature(i));
-      }
+      const size_t p = begin_ + static_cast<size_t>(i);
+      planar_.push_back({p, curvature_[static_cast<size_t>(i)].c});
+      planar_points_.push_back(scan_.points[p]);
     }
     const std::vector<int>& planes = candidates_.planes;
     plane_c_.resize(planes.size());
@@ -130,7 +145,8 @@ class RowPicker {
   const SegmentedScan& scan_;
   const LaserFeatureOptions& options_;
   const float noise_m_;
-  VoxelThinner thinner_;
+  std::vector<PlanarPoint> planar_;             // of all rows
+  std::vector<Eigen::Vector3f> planar_points_;  // the same
   size_t begin_ = 0;
   RingPoints row_;
   std::vector<PointCurvature> curvature_;
@@ -169,6 +185,7 @@ LaserFeatures ExtractLaserFeatures(const SegmentedScan& scan, const LidarModel& 
     picker.Pick(begin, end, &features);
     begin = end;
   }
+  features.less_flat = picker.LessFlat();
   return features;
 }
 

@@ -7,7 +7,6 @@
 #include "tvl/base/check.h"
 #include "tvl/lidar/range_image.h"
 #include "tvl/lidar/test_scene.h"
-#include "tvl/lidar/voxel_thinning.h"
 
 namespace tvl {
 namespace {
@@ -228,48 +227,6 @@ TEST(Features, OptionsAreChecked) {
   options.Check();
   options.less_flat_voxel_m = 0.0;
   EXPECT_THROW(options.Check(), InputError);
-}
-
-TEST(VoxelThinning, OneAVoxelTheFirst) {
-  std::vector<LaserFeature> features;
-  Rng rng(2);
-  for (int i = 0; i < 5000; ++i) {
-    LaserFeature f;
-    f.p_lidar =
-        Eigen::Vector3d(rng.Uniform(-2, 2), rng.Uniform(-2, 2), rng.Uniform(-2, 2)).cast<float>();
-    f.ring = static_cast<uint16_t>(i);
-    features.push_back(f);
-  }
-  VoxelThinner thinner(0.5);
-  std::vector<LaserFeature> kept;
-  for (const LaserFeature& f : features) {
-    if (thinner.IsFirst(f.p_lidar)) kept.push_back(f);
-  }
-  EXPECT_EQ(kept.size(), 512u);  // 8^3 voxels, 10 points each
-  const auto voxel = [](const LaserFeature& f) {
-    return (f.p_lidar * 2.0f).array().floor().cast<int>().eval();
-  };
-  for (size_t k = 0; k < kept.size(); ++k) {
-    for (size_t i = 0; i < kept[k].ring; ++i) {
-      ASSERT_FALSE((voxel(features[i]) == voxel(kept[k])).all()) << "an earlier one was there";
-    }
-    if (k > 0) {
-      EXPECT_GT(kept[k].ring, kept[k - 1].ring);
-    }
-  }
-}
-
-TEST(VoxelThinning, ManyVoxels) {
-  VoxelThinner thinner(0.1);
-  int first = 0;
-  for (int round = 0; round < 2; ++round) {
-    for (int i = 0; i < 60000; ++i) {
-      first += thinner.IsFirst({0.1f * static_cast<float>(i % 300) - 14.95f,
-                                0.1f * static_cast<float>(i / 300) - 9.95f, 0.05f});
-    }
-  }
-  EXPECT_EQ(first, 60000);
-  EXPECT_THROW(VoxelThinner(0.0), Error);
 }
 
 }  // namespace

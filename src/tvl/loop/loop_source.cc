@@ -1,7 +1,7 @@
 #include "tvl/loop/loop_source.h"
 
 #include "tvl/base/check.h"
-#include "tvl/geometry/voxel_hash.h"
+#include "tvl/geometry/voxel_thinning.h"
 #include "tvl/loop/bev_alignment.h"
 
 namespace tvl {
@@ -15,19 +15,6 @@ void Append(const std::vector<Eigen::Vector3f>& points, const Rigid3d& T, double
   for (const Eigen::Vector3f& p : points) {
     if (p.squaredNorm() < range_sq) all->push_back(R * p + t);
   }
-}
-
-// Indices of the first point of each voxel.
-std::vector<size_t> Thin(const std::vector<Eigen::Vector3f>& points, double voxel_m) {
-  VoxelHash<char> seen;
-  seen.Reserve(points.size() / 4);
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < points.size(); ++i) {
-    char& taken = seen[VoxelKey::Of(points[i].cast<double>(), voxel_m)];
-    if (taken == 0) kept.push_back(i);
-    taken = 1;
-  }
-  return kept;
 }
 
 }  // namespace
@@ -62,10 +49,12 @@ LoopSource AssembleSource(int current, const std::vector<Rigid3d>& T_odom_lidar,
   for (size_t i = 0; i < points.size(); ++i) {
     if (is_raised[i] != 0) raised.push_back(points[i]);
   }
-  for (const size_t i : Thin(raised, options.raised_voxel_m)) source.raised.push_back(raised[i]);
-  for (const size_t i : Thin(edges, options.edge_voxel_m)) source.edges.push_back(edges[i]);
+  for (const uint32_t i : MiddleOfEachVoxel(raised, options.raised_voxel_m))
+    source.raised.push_back(raised[i]);
+  for (const uint32_t i : MiddleOfEachVoxel(edges, options.edge_voxel_m))
+    source.edges.push_back(edges[i]);
   points.resize(planes);
-  for (const size_t i : Thin(points, options.plane_voxel_m)) {
+  for (const uint32_t i : MiddleOfEachVoxel(points, options.plane_voxel_m)) {
     source.planes.push_back(points[i]);
     source.plane_is_raised.push_back(is_raised[i]);
   }

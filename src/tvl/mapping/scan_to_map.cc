@@ -4,25 +4,11 @@
 #include <utility>
 
 #include "tvl/base/check.h"
-#include "tvl/geometry/voxel_hash.h"
+#include "tvl/geometry/voxel_thinning.h"
 #include "tvl/registration/surfel_matcher.h"
 
 namespace tvl {
 namespace {
-
-// Indices of the first point of each voxel.
-std::vector<uint32_t> Thin(const std::vector<Eigen::Vector3f>& points, double voxel_m) {
-  VoxelHash<char> seen;
-  seen.Reserve(points.size());
-  std::vector<uint32_t> kept;
-  for (uint32_t i = 0; i < points.size(); ++i) {
-    char& taken = seen[VoxelKey::Of(points[i].cast<double>(), voxel_m)];
-    if (taken != 0) continue;
-    taken = 1;
-    kept.push_back(i);
-  }
-  return kept;
-}
 
 // What there is to match with what.
 struct Sources {
@@ -135,9 +121,9 @@ void ScanToMapOptions::Check() const {
 MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
                              const std::vector<Eigen::Vector3f>& edges, double voxel_m) {
   MapStepPoints thin;
-  thin.plane_index = Thin(planes, voxel_m);
+  thin.plane_index = MiddleOfEachVoxel(planes, voxel_m);
   for (const uint32_t i : thin.plane_index) thin.planes.push_back(planes[i]);
-  for (const uint32_t i : Thin(edges, 0.5 * voxel_m)) thin.edges.push_back(edges[i]);
+  for (const uint32_t i : MiddleOfEachVoxel(edges, 0.5 * voxel_m)) thin.edges.push_back(edges[i]);
   return thin;
 }
 

@@ -254,13 +254,14 @@ TEST(RefinePoseInATunnel, WithoutTheCameraThePriorHoldsTheAxis) {
   EXPECT_GT(std::sqrt(covariance(3, 3)), 0.29);  // all of the prior, 0.3 m: normals add nothing
 }
 
-TEST(ThinForMapStep, KeepsTheFirstPointOfEachVoxel) {
+TEST(ThinForMapStep, KeepsTheMiddlePointOfEachVoxel) {
   const std::vector<Eigen::Vector3f> points = {
       {0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}, {0.7f, 0.1f, 0.1f}, {0.12f, 0.1f, 0.1f}};
   const MapStepPoints thin = ThinForMapStep(points, points, 0.5);
   ASSERT_EQ(thin.planes.size(), 2u);
-  EXPECT_EQ(thin.planes[0], points[0]);
+  EXPECT_EQ(thin.planes[0], points[1]);
   EXPECT_EQ(thin.planes[1], points[2]);
+  EXPECT_EQ(thin.plane_index, (std::vector<uint32_t>{1, 2}));
 }
 
 TEST(ScanToMapOptions, NameTheBadField) {
