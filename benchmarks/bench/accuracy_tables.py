@@ -149,6 +149,11 @@ def recording_table(recordings):
     return ["**Real recordings**", "", *rows, ""]
 
 
+def deskewing_text(instants):
+    moved = ", ".join(f"{SYSTEMS[key].label} {share:.2f}" for key, share in instants.items())
+    return f"Raw scans: each system de-skews by itself, to this share of the sweep: {moved}."
+
+
 def made_with(made):
     commit = (made["binary"].get("commit") or made["checkout"]["commit"] or "unknown")[:7]
     if made["checkout"]["dirty"] and not made["binary"].get("commit"):
@@ -158,7 +163,8 @@ def made_with(made):
     load = made["machine"]["load_average"][0]
     return (f"Made by `benchmarks/accuracy` on {made['date'][:10]}: tvl {made['binary']['version']}, "
             f"commit {commit}; {versions}; {made['machine']['cpu']}, {made['machine']['cores']} cores, "
-            f"of which each run had one; load {load:.1f} when it began, so times are upper bounds.")
+            f"of which each run had one; load {load:.1f} when it began: with other work on the machine "
+            "times are upper bounds.")
 
 
 def markdown(result):
@@ -167,7 +173,8 @@ def markdown(result):
     if result["drives"]:
         lines += ratio_table(result["drives"])
         lines += ["Mean ± standard deviation over the seeds; in brackets the ratio to the best peer "
-                  "(odometry to odometry; what closes loops to all).", ""]
+                  "(odometry to odometry; what closes loops to all). "
+                  + deskewing_text(result["made"]["deskews_to"]), ""]
     for drive in result["drives"]:
         lines += drive_table(drive)
     if result["recordings"]:

@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 
-from . import accuracy_tables, clouds, drives, metrics, poses, scores, trials
+from . import accuracy_tables, clouds, drives, metrics, poses, registrars, scores, trials
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,6 +34,7 @@ ALWAYS_RAW = ("kitti360_3000", "kitti_2011_09_26_0052", "kitti_2011_09_26_0052_j
               "kitti_2011_09_26_0013_first16")   # without a meta.json nothing else says so
 NO_CORRECTION = ("hdl32_unordered",)             # not the lidar that the correction is for
 SMOOTHED_TRUTH = ("kitti_odometry_00_first10",)  # not good enough over its first frames
+QUICK_RECORDING_FRAMES = 16
 
 
 # Runs -------------------------------------------------------------------------------------------
@@ -72,6 +73,15 @@ def run_all(args, pool, scans, systems):
         said = done[trial.system][1].get("error", "done")
         print(f"{scans.name:<44} {trials.SYSTEMS[trial.system].label:<24} {said}", flush=True)
     return done
+
+
+def deskewing_instants():
+    """Where in the sweep (0..1) each system moves the points of raw scans to; asked of the packages."""
+    found = {"ours": 0.5}
+    for key, peer in registrars.PEERS.items():
+        if hasattr(peer, "deskewed"):
+            found[key] = registrars.deskew_reference(peer)
+    return found | {"kiss-slam": found["kiss"]}
 
 
 def rows_of(done, systems):
@@ -169,14 +179,19 @@ def measure_recording(args, pool, folder, spin, systems):
     return {"name": folder.name, "frames": len(scans.files), "spin": spin, "runs": runs}
 
 
+def chosen_recordings(args):
+    if args.recordings is not None:
+        return [args.data / "sequences" / name for name in args.recordings.split(",")]
+    folders = sorted(p for p in (args.data / "sequences").iterdir() if (p / "velodyne").is_dir())
+    return [f for f in folders
+            if not args.quick or len(clouds.scan_files(f)) <= QUICK_RECORDING_FRAMES]
+
+
 def measure_recordings(args, pool, systems):
     if args.recordings == "":
         return []
     if args.data is None:
         print("notice: real recordings are left out: set TVL_TEST_DATA")
         return []
-    folders = sorted(p for p in (args.data / "sequences").iterdir() if (p / "velodyne").is_dir())
-    if args.recordings is not None:
-        folders = [args.data / "sequences" / name for name in args.recordings.split(",")]
-    return [measure_recording(args, pool, folder, spin, systems) for folder in folders
+    return [measure_recording(args, pool, folder, spin, systems) for folder in chosen_recordings(args)
             for spin in ((None, "cw") if folder.name in ALWAYS_RAW else (None,))]
