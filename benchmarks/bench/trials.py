@@ -1,7 +1,8 @@
 """One system over one set of scans: run, stored, found again.
 
 A trial writes DIR/result.json and its trajectories (lidar, first pose the identity, 3x4 a line), and
-is done again only if what it was made of has changed: scans, program, package, threads.
+is done again only if what it was made of has changed: scans, program, package, threads, and for maps
+how they are measured.
 """
 
 import dataclasses
@@ -92,7 +93,7 @@ def key_of(trial):
     scans = trial.scans
     return {"scans": scans.name, "frames": len(scans.files), "spin": scans.spin,
             "bytes": sum(f.stat().st_size for f in scans.files),
-            "correction_deg": scans.correction_deg, "judge_map": scans.judge_map,
+            "correction_deg": scans.correction_deg, "map_measured_by": machine.digest(metrics.__file__) if scans.judge_map else None,
             "system": trial.system, "version": version_of(trial.system, trial.binary),
             "threads": THREADS}
 
