@@ -84,11 +84,11 @@ def figure_cell(summary_of_drive, system, figure):
 
 
 def drive_title(drive):
-    seeds = ", ".join(map(str, drive["seeds"]))
+    seeds = "seed" + "s" * (len(drive["seeds"]) > 1) + " " + ", ".join(map(str, drive["seeds"]))
     lengths = drive["path_m"]
     metres = f"{min(lengths):.0f} to {max(lengths):.0f} m" if len(lengths) > 1 else f"{lengths[0]:.0f} m"
     return (f"**{drive['kind']}**: {drive['label']}; {drive['frames']} frames, {metres}, "
-            f"seeds {seeds}")
+            f"{seeds}")
 
 
 def drive_table(drive):
