@@ -42,6 +42,18 @@ def write_room(folder, trajectory, noise_m):
     return files
 
 
+def skew(path, motion):
+    """Rewrites a scan as a scanner spinning clockwise measures it while it moves by `motion`."""
+    raw = np.fromfile(path, dtype=np.float32).reshape(-1, 4)
+    points = raw[:, :3].astype(float)
+    measured = points.copy()
+    for _ in range(5):  # the azimuth at which a point is seen depends on when it is seen
+        back = clouds.deskew(measured, "cw", motion) - measured
+        measured = points - back
+    raw[:, :3] = measured
+    raw.tofile(path)
+
+
 class Clouds(unittest.TestCase):
     def test_correction_raises_points_and_keeps_range(self):
         p = np.array([[10.0, 0.0, 0.0], [0.0, -20.0, -1.0]])
@@ -85,6 +97,24 @@ class Metrics(unittest.TestCase):
         self.assertAlmostEqual(t, 0.1, delta=1e-3)
         self.assertAlmostEqual(r, 2.0)
 
+    def test_errors_with_first_poses_aligned_and_at_the_end(self):
+        truth = chain(step(1.0), 101)
+        estimate = step(3.0, 40.0) @ chain(step(1.01), 101)  # k cm off after k frames
+        self.assertAlmostEqual(metrics.ate_first_m(truth, estimate),
+                               0.01 * np.sqrt(np.mean(np.arange(101)**2)))
+        end_m, end_deg = metrics.end_error(truth, estimate)
+        self.assertAlmostEqual(end_m, 1.0)
+        self.assertAlmostEqual(end_deg, 0.0)
+
+    def test_heading_drift_has_a_sign_and_leaves_tilt_out(self):
+        truth = chain(step(1.0, 0.5), 501)
+        left, right = chain(step(1.0, 0.501), 501), chain(step(1.0, 0.499), 501)
+        self.assertAlmostEqual(metrics.heading_deg_per_km(truth, left), 1.0)
+        self.assertAlmostEqual(metrics.heading_deg_per_km(truth, right), -1.0)
+        tilted = truth.copy()
+        tilted[-1, :3, :3] = truth[-1, :3, :3] @ poses.rotation(np.array([0.02, 0.01, 0.0]))
+        self.assertLess(abs(metrics.heading_deg_per_km(truth, tilted)), 0.02)
+
     def test_thickness_is_the_mean_of_the_noise_and_grows_with_wrong_poses(self):
         truth = chain(step(0.5), 6)
         with tempfile.TemporaryDirectory() as folder:
@@ -95,8 +125,51 @@ class Metrics(unittest.TestCase):
             self.assertAlmostEqual(right.mean_m, 0.02 * np.sqrt(2 / np.pi), delta=5e-4)
             self.assertGreater(metrics.thickness(files, wrong).mean_m, 1.5 * right.mean_m)
 
+    def test_entropy_is_that_of_the_wall_and_grows_with_wrong_poses(self):
+        truth = chain(step(0.5), 6)
+        with tempfile.TemporaryDirectory() as folder:
+            files = write_room(folder, truth, noise_m=0.02)
+            _, right = metrics.map_quality(files, truth)
+            wrong = truth.copy()
+            wrong[::2, 1, 3] += 0.06
+            _, smeared = metrics.map_quality(files, wrong)
+        # A disc of radius r has the variance r^2 / 4 along each of its axes.
+        expected = 0.5 * np.log((2 * np.pi * np.e)**3 * (0.3**2 / 4)**2 * 0.02**2)
+        self.assertAlmostEqual(right.mean, expected, delta=0.08)
+        self.assertAlmostEqual(smeared.mean - right.mean, np.log(np.hypot(0.02, 0.03) / 0.02),
+                               delta=0.1)
+        self.assertGreater(right.points, 15000)
+
+    def test_neighbourhoods_of_too_few_scans_do_not_count(self):
+        truth = chain(step(0.5), 2)
+        with tempfile.TemporaryDirectory() as folder:
+            thick, entropy = metrics.map_quality(write_room(folder, truth, noise_m=0.02), truth)
+        self.assertEqual((thick.planar_points, entropy.points), (0, 0))
+        self.assertTrue(np.isnan(entropy.mean))
+
+    def test_raw_scans_are_deskewed_by_the_poses(self):
+        truth = chain(step(2.0, 3.0), 6)
+        with tempfile.TemporaryDirectory() as folder:
+            files = write_room(folder, truth, noise_m=0.01)
+            sharp = metrics.thickness(files, truth)
+            for path, motion in zip(files, [step(2.0, 3.0)] * len(files)):
+                skew(path, motion)
+            self.assertAlmostEqual(metrics.thickness(files, truth, spin="cw").mean_m, sharp.mean_m,
+                                   delta=1e-3)
+            self.assertGreater(metrics.thickness(files, truth).mean_m, 1.3 * sharp.mean_m)
+
 
 class Poses(unittest.TestCase):
+    def test_each_pose_by_its_own_share(self):
+        truth = chain(step(1.0), 5)
+        moved = poses.shifted(truth, [0.0, 0.5, -0.5, 0.25, 0.5])
+        np.testing.assert_allclose(moved[:, 0, 3], [0.0, 1.5, 1.5, 3.25, 4.5])
+
+    def test_earlier_goes_back_along_the_step_that_led_there(self):
+        truth = np.array([step(0.5 * k**2) for k in range(5)])  # 0, 0.5, 2, 4.5, 8 m
+        moved = poses.shifted(truth, [0.0, -0.5, -0.5, -0.5, -0.5])
+        np.testing.assert_allclose(moved[:, 0, 3], [0.0, 0.25, 1.25, 3.25, 6.25])
+
     def test_half_a_frame_later(self):
         truth = chain(step(1.0, 2.0), 10)
         later = poses.shifted(truth, 0.5)
@@ -260,6 +333,12 @@ class Peers(unittest.TestCase):
     def test_instants_of_deskewing(self):
         self.assertAlmostEqual(registrars.deskew_reference(registrars.Kiss), 1.0)
         self.assertAlmostEqual(registrars.deskew_reference(registrars.GenZ), 0.5)
+
+    def test_poses_belong_to_the_instant_deskewed_to_once_there_is_a_motion(self):
+        np.testing.assert_allclose(registrars.pose_instants("kiss", "cw", 4), [0.5, 0.5, 1.0, 1.0])
+        np.testing.assert_allclose(registrars.pose_instants("kiss-slam-odometry", "cw", 3), [0.5, 0.5, 1.0])
+        for key, spin in (("genz", "cw"), ("ours", "cw"), ("kiss", None), ("gicp", None)):
+            np.testing.assert_allclose(registrars.pose_instants(key, spin, 3), 0.5, atol=1e-9)
 
 
 if __name__ == "__main__":

@@ -30,9 +30,8 @@ import sys
 
 import numpy as np
 
-import compare_sim
 import peers as peer_runner
-from bench import closures, drives, kiss_slam, metrics, ours, poses
+from bench import closures, drives, kiss_slam, metrics, ours, poses, registrars, scores
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,8 +48,8 @@ class Row:
 
 
 def errors(drive, truth_lidar, T_world_lidar):
-    t_err, _, ate_m = compare_sim.score(truth_lidar, T_world_lidar, drive.T_cam0_lidar)
-    return t_err, ate_m
+    found = scores.figures(truth_lidar, T_world_lidar, drive.T_cam0_lidar)
+    return found["t_err_pct"], found["ate_m"]
 
 
 def our_loops(report):
@@ -89,8 +88,8 @@ def our_rows(args, drive):
 
 def kiss_rows(args, drive):
     result = kiss_slam.run(drive.files, drive.correction_deg, args.threads, drive.spin)
-    # It de-skews as KISS-ICP does.
-    truth = compare_sim.truth_at(drive.truth_cam0, drive.T_cam0_lidar, "kiss", drive.spin)
+    truth = scores.truth_at(drive.truth_cam0, drive.T_cam0_lidar,
+                            registrars.pose_instants("kiss-slam", drive.spin, len(drive.files)))
     scored = closures.score(truth, result.stretches, result.closures)
     return [Row("KISS-SLAM", *errors(drive, truth, result.T_world_lidar), result.ms, result.cpu_ms,
                 result.end_s, result.memory_mib, result.loaded_mib, scored),

@@ -13,7 +13,6 @@ import json
 import os
 import pathlib
 import sys
-import time
 
 import numpy as np
 
@@ -26,22 +25,10 @@ def limit_cores(threads):
     os.sched_setaffinity(0, set(cores))
 
 
-def run_peer(key, files, correction_deg, threads, spin=None):
-    """(poses, ms a frame). Reading files is not counted."""
-    peer = registrars.PEERS[key](threads, deskew=spin is not None)
-    trajectory, elapsed_ms = [], []
-    for path in files:
-        points, share = clouds.for_peer(path, correction_deg, spin)
-        start = time.perf_counter()
-        trajectory.append(peer.register(points, share))
-        elapsed_ms.append(1e3 * (time.perf_counter() - start))
-    return np.array(trajectory), np.array(elapsed_ms)
-
-
 def run_peers(keys, files, correction_deg, threads=1, spin=None):
     """key -> (poses, ms a frame); peers that cannot de-skew are left out when spin is given."""
     keys = [k for k in keys if spin is None or k != "gicp"]
-    return {key: run_peer(key, files, correction_deg, threads, spin) for key in keys}
+    return {key: registrars.run_peer(key, files, correction_deg, threads, spin) for key in keys}
 
 
 def print_row(name, trajectory, ms, thick, median, end="\n"):
@@ -80,7 +67,7 @@ def list_peers():
                    if hasattr(peer, "deskewed") else "no de-skewing of its own")
         print(f"{peer.name:<12} {registrars.version(peer):<8} {instant}")
     kiss_slam.KissSlam(threads=1, deskew=False)  # its libraries are many: do they load?
-    print(f"{'KISS-SLAM':<12} {kiss_slam.version():<8} for compare_loops.py; de-skews as KISS-ICP")
+    print(f"{'KISS-SLAM':<12} {kiss_slam.version():<8} for compare_loops.py and accuracy; de-skews as KISS-ICP")
 
 
 def main():

@@ -17,12 +17,10 @@ import json
 import os
 import pathlib
 import sys
-import tempfile
 
 import numpy as np
 
-import peers as peer_runner
-from bench import clouds, metrics, ours, registrars
+from bench import clouds, drives, metrics, ours, registrars
 from bench import poses as se3
 
 RECORDINGS = {  # name -> answers to the de-skewing question worth trying
@@ -38,24 +36,10 @@ MAX_SHARE = 0.02  # of the path, by which the camera may move the end
 MAX_WORSE = 1.02  # factor by which it may thicken the map, or worsen the steps
 
 
-def has_images(folder):
-    return any((folder / f"image_{i}").is_dir() for i in range(4))
-
-
 def thickness(files, trajectory, spin):
     """Of the map; raw scans are de-skewed by the motions of the trajectory."""
-    if spin == "none":
-        return metrics.thickness(files, trajectory, clouds.KITTI_CORRECTION_DEG)
-    steps = se3.motions(trajectory)
-    steps = np.concatenate([steps[:1], steps])  # the first frame moves as the second
-    with tempfile.TemporaryDirectory() as scans:
-        moved = []
-        for file, step in zip(files, steps):
-            points = clouds.deskew(clouds.read_scan(file), spin, step)
-            padded = np.column_stack([points, np.zeros(len(points))]).astype(np.float32)
-            moved.append(pathlib.Path(scans) / file.name)
-            padded.tofile(moved[-1])
-        return metrics.thickness(moved, trajectory, clouds.KITTI_CORRECTION_DEG)
+    return metrics.thickness(files, trajectory, clouds.KITTI_CORRECTION_DEG,
+                             None if spin == "none" else spin)
 
 
 def step_errors_m(folder, T_world_cam0):
@@ -94,7 +78,7 @@ def pose_figures(trajectory, errors, thick):
 
 def peer_row(args, folder, key):
     files = clouds.scan_files(folder)
-    trajectory, ms = peer_runner.run_peer(key, files, clouds.KITTI_CORRECTION_DEG, args.threads)
+    trajectory, ms = registrars.run_peer(key, files, clouds.KITTI_CORRECTION_DEG, args.threads)
     errors = None
     if (folder / "calib.txt").exists():
         T_cam0_lidar = se3.read_calibration(folder)
@@ -157,7 +141,7 @@ def compare(args, folder):
     for spin in RECORDINGS[folder.name]:
         without = our_row(args, folder, spin, camera=False)
         found = [without]
-        if has_images(folder):
+        if drives.has_images(folder):
             found.append(our_row(args, folder, spin, camera=True))
             broken += compare_camera(found[1], without)
         for row in found:

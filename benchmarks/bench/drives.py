@@ -61,6 +61,10 @@ def name_of(text):
     return urllib.parse.quote("_".join([preset, *values]))
 
 
+def has_images(folder):
+    return any((pathlib.Path(folder) / f"image_{k}").is_dir() for k in range(4))
+
+
 def meta_of(folder):
     """meta.json of a simulated drive, {} of others."""
     path = pathlib.Path(folder) / "meta.json"
@@ -94,6 +98,5 @@ def load(name, folder):
     truth = poses.read_poses(folder / "poses.txt")
     if len(truth) != len(files):
         raise ValueError(f"{folder}: {len(files)} scans, {len(truth)} poses")
-    has_camera = any((folder / f"image_{k}").is_dir() for k in range(4))
-    return Drive(name, folder, files, poses.read_calibration(folder), truth, has_camera,
+    return Drive(name, folder, files, poses.read_calibration(folder), truth, has_images(folder),
                  spin_of(folder), correction_of(folder))

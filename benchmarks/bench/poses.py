@@ -79,13 +79,18 @@ def rotation(vector):
 
 
 def shifted(poses, share):
-    """Poses `share` of a frame later, interpolated; the last one is extrapolated."""
+    """Poses `share` (-1..1) of a frame later, interpolated; beyond the ends they are extrapolated.
+
+    share: one number, or one a pose.
+    """
+    share = np.broadcast_to(share, len(poses))
     steps = motions(poses)
-    steps = np.concatenate([steps, steps[-1:]])
+    before, after = np.concatenate([steps[:1], steps]), np.concatenate([steps, steps[-1:]])
     out = poses.copy()
-    for k, step in enumerate(steps):
+    for k, s in enumerate(share):
+        step = after[k] if s >= 0 else before[k]
         part = np.eye(4)
-        part[:3, :3] = rotation(share * rotation_vector(step[:3, :3]))
-        part[:3, 3] = share * step[:3, 3]
+        part[:3, :3] = rotation(s * rotation_vector(step[:3, :3]))
+        part[:3, 3] = s * step[:3, 3]
         out[k] = poses[k] @ part
     return inverse(out[:1]) @ out

@@ -6,8 +6,11 @@ only when the peer is to de-skew by itself; None turns that off.
 
 import importlib.metadata
 import pathlib
+import time
 
 import numpy as np
+
+from . import clouds
 
 
 class Kiss:
@@ -93,6 +96,18 @@ class SmallGicp:
 PEERS = {"kiss": Kiss, "genz": GenZ, "gicp": SmallGicp}
 
 
+def run_peer(key, files, correction_deg, threads, spin=None):
+    """(poses, ms a frame). Reading files is not counted."""
+    peer = PEERS[key](threads, deskew=spin is not None)
+    trajectory, elapsed_ms = [], []
+    for path in files:
+        points, share = clouds.for_peer(path, correction_deg, spin)
+        start = time.perf_counter()
+        trajectory.append(peer.register(points, share))
+        elapsed_ms.append(1e3 * (time.perf_counter() - start))
+    return np.array(trajectory), np.array(elapsed_ms)
+
+
 def version(peer):
     return importlib.metadata.version(peer.package)
 
@@ -109,3 +124,18 @@ def deskew_reference(peer):
     moved = peer.deskewed(np.tile([20.0, 0.0, 0.0], (3, 1)), share, T_delta)
     shift = np.asarray(moved)[:, 0] - 20.0
     return float(np.interp(0.0, shift, share))
+
+
+def pose_instants(key, spin, count):
+    """The instant of the sweep that each of `count` poses belongs to: its middle, but for peers that
+    de-skew to another.
+
+    Where a sweep was compensated already, and where nobody de-skews, all mean the middle; so do the
+    first two poses of every peer, which knows no motion to de-skew by before it has registered two
+    scans. KISS-SLAM takes its poses from KISS-ICP; anything that is no peer is ours.
+    """
+    peer = PEERS.get("kiss" if key.startswith("kiss") else key)
+    instants = np.full(count, 0.5)
+    if spin is not None and peer is not None:
+        instants[2:] = deskew_reference(peer)
+    return instants
