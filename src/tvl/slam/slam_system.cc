@@ -115,7 +115,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
       }
       moving_tracks_.Update(all_tracks, all_depths, result.T_odom_lidar);
       landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
-      CalibrateExtrinsics(current.tracks, result.T_odom_lidar);
+      CalibrateExtrinsics(current, result.T_odom_lidar);
     }
   }
   result.is_keyframe = IsDueKeyframe(current, result);
@@ -295,8 +295,13 @@ void SlamSystem::CalibrateBeams(const FoundPose& found, const PreprocessedFrame&
 }
 
 // What was placed with other extrinsics is let go of.
-void SlamSystem::CalibrateExtrinsics(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar) {
-  const bool has_changed = extrinsics_.Add(tracks, T_odom_lidar);
+void SlamSystem::CalibrateExtrinsics(const PreprocessedFrame& frame, const Rigid3d& T_odom_lidar) {
+  bool has_changed = extrinsics_.Add(frame.tracks, T_odom_lidar);
+  // Read with the extrinsics in use: not in the frame in which they change.
+  if (!has_changed && frame.has_image && frame.has_scan && extrinsics_.WantsEdges(T_odom_lidar)) {
+    has_changed = extrinsics_.AddEdges(
+        preprocessor_.FindEdges(frame, last_motion_, options_.extrinsics.edges.max_edges));
+  }
   if (has_changed) {  // camera 0 is turned with the one that is used: they sit on one frame
     Calibration& calibration = setup_.calibration;
     const Rigid3d T_cam0_cam = calibration.T_cam0_lidar * calibration.T_cam_lidar.Inverse();

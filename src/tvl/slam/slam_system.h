@@ -117,7 +117,7 @@ class SlamSystem {
   // What a frame's result says of its data and of the pose found.
   void Describe(const PreprocessedFrame& frame, const FoundPose& found, FrameResult* result) const;
   void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
-  void CalibrateExtrinsics(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar);
+  void CalibrateExtrinsics(const PreprocessedFrame& frame, const Rigid3d& T_odom_lidar);
   // As far as they are known by now, from the next frame on.
   void UseExtrinsics();
   // The scan before this one was compensated anew: replaces it where it is a keyframe.
