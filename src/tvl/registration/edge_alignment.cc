@@ -42,11 +42,13 @@ constexpr double kPlaceSigma_m = 0.02;
 constexpr double kWidthSigma_rad = 9e-4;      // 0.05 deg, half of a beam's divergence
 constexpr double kRotationSigma_rad = 0.035;  // 2 deg: the reach
 constexpr int kMinEdges = 60;                 // for an answer
+// The outlines of one image may all be of one thing, and of one mistake.
+constexpr int kMinImages = 4;
 
 // A clear answer: its score stands out so many times the scatter of the scores elsewhere, where the
 // best is lower by this factor.
-constexpr double kMinContrast = 3.5;
-constexpr double kMaxSecond = 0.6;
+constexpr double kMinContrast = 4.5;
+constexpr double kMaxSecond = 0.55;
 constexpr double kElsewhere_rad = 0.012;  // 0.7 deg from the best
 
 // Bilinear; `px` must lie inside.
@@ -114,6 +116,7 @@ struct Outline {
   Eigen::Vector3d p_lidar;
   bool is_upright;
   double outward;  // +1: the background is to the right, or below
+  int row;         // of the range image
 };
 
 // Outlines between a cell of the range image and its neighbour, with a third cell on the other side
@@ -127,6 +130,7 @@ class OutlineFinder {
   std::vector<Outline> Find() {
     const RangeImage& image = scan_.image;
     for (int row = 0; row < image.rows; ++row) {
+      row_ = row;
       for (int column = 1; column + 1 < image.columns; ++column) {
         const int32_t i = image.point[image.Index(row, column)];
         if (i == RangeImage::kNoPoint || scan_.label[static_cast<size_t>(i)] == kLabelGround) {
@@ -155,12 +159,13 @@ class OutlineFinder {
     const float range_behind = points_[static_cast<size_t>(behind)].norm();
     if (std::abs(range_behind - range) > std::max(kSmooth_m, kSmoothShare * range)) return;
     const Eigen::Vector3f between = (p / range + p_beyond / range_beyond).normalized();
-    found_.push_back({(range * between).cast<double>(), is_upright, outward});
+    found_.push_back({(range * between).cast<double>(), is_upright, outward, row_});
   }
 
   const SegmentedScan& scan_;
   const std::vector<Eigen::Vector3f>& points_;
   Eigen::Vector3f forward_;
+  int row_ = 0;
   std::vector<Outline> found_;
 };
 
@@ -191,6 +196,13 @@ Sample At(const Samples& samples, double position) {
   const auto at = [&](int k) { return static_cast<double>(samples[static_cast<size_t>(k)]); };
   const double slope = 0.5 * (at(i + 1) - at(i - 1)), bend = at(i + 1) - 2.0 * at(i) + at(i - 1);
   return {at(i) + a * (slope + 0.5 * a * bend), slope + a * bend, bend};
+}
+
+// Without what bends upwards: such directions are left to the prior.
+Matrix7d NonNegative(const Matrix7d& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Matrix7d> solver(symmetric);
+  const Vector7d kept = solver.eigenvalues().cwiseMax(0.0);
+  return solver.eigenvectors() * kept.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 // One profile beside the rotation it was read with.
@@ -296,12 +308,10 @@ class FineSearch {
     const double scale = curvature.topLeftCorner<2, 2>().trace();
     const double unit = squares.topLeftCorner<2, 2>().trace() / scale;
     if (!(scale > 0.0) || !(unit > 0.0)) return false;
-    H_ = curvature / unit + prior_;
+    H_ = prior_ + NonNegative(curvature / unit);
     b_ = gradient / unit - prior_ * x_;
     spread_ /= unit * unit;
-    return Eigen::SelfAdjointEigenSolver<Matrix7d>(H_, Eigen::EigenvaluesOnly)
-               .eigenvalues()
-               .minCoeff() > 0.0;
+    return true;
   }
 
   const std::vector<Placed>& placed_;
@@ -340,7 +350,7 @@ EdgeProfiles FindEdgeProfiles(const cv::Mat& grey, const SegmentedScan& scan,
     if (!ReadProfile(grey, px, step_px, &profile)) continue;
     profile.is_upright = outline.is_upright;
     profile.J = Derivative(p_cam, outline);
-    profile.group = 2 * static_cast<int>(px.x() / kGroup_px) + (outline.is_upright ? 1 : 0);
+    profile.group = outline.is_upright ? static_cast<int>(px.x() / kGroup_px) : -1 - outline.row;
     out.profiles.push_back(profile);
   }
   // Evenly thinned: neighbours in a row of the scan see the same.
@@ -394,8 +404,10 @@ void EdgeAlignment::Add(EdgeProfiles edges, const Eigen::Vector3d& rotation_rad)
     }
     ++image;
   }
-  estimate_ = {};
-  if (static_cast<int>(placed.size()) < kMinEdges) return;
+  const bool is_stale = (estimate_.rotation_rad - rotation_rad).norm() > kStale_rad;
+  const bool are_few = static_cast<int>(images_.size()) < kMinImages;
+  if (are_few || is_stale) estimate_ = {};  // else kept where there is no new answer
+  if (are_few || static_cast<int>(placed.size()) < kMinEdges) return;
   // About the rotation in use.
   Vector7d x = Vector7d::Zero();
   const bool up_is_clear = SearchAxis(placed, 0, &x[0]);
