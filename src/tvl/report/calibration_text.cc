@@ -19,7 +19,7 @@ struct Direction {
 constexpr Direction kDirections[] = {
     {"up and down", "lower", "higher"},
     {"left and right", "further left", "further right"},
-    {"about its axis", "turned anticlockwise", "turned clockwise"},
+    {"about its axis", "anticlockwise", "clockwise"},
 };
 
 }  // namespace
@@ -31,7 +31,6 @@ bool IsObserved(const ExtrinsicEstimate& estimate, int axis, double prior_rad) {
 std::string CalibrationText(const ExtrinsicEstimate& estimate, double prior_rad) {
   std::ostringstream out;
   out << std::fixed << std::setprecision(2);
-  bool is_changed = false;
   for (int axis = 0; axis < 3; ++axis) {
     const Direction& direction = kDirections[axis];
     const double angle_deg = RadToDeg(estimate.rotation_rad[axis]);
@@ -41,12 +40,12 @@ std::string CalibrationText(const ExtrinsicEstimate& estimate, double prior_rad)
       out << "not told by this drive (sigma " << sigma_deg << " deg)\n";
       continue;
     }
-    out << "the camera points " << std::abs(angle_deg) << " deg "
-        << (angle_deg > 0.0 ? direction.positive : direction.negative)
-        << " than the calibration says (sigma " << sigma_deg << " deg)\n";
+    out << (axis == 2 ? "the camera is turned " : "the camera points ") << std::abs(angle_deg)
+        << " deg " << (angle_deg > 0.0 ? direction.positive : direction.negative)
+        << (axis == 2 ? " against what" : " than") << " the calibration says (sigma " << sigma_deg
+        << " deg)\n";
   }
-  is_changed = !estimate.applied_rad.isZero(0.0);
-  if (is_changed) {
+  if (!estimate.applied_rad.isZero(0.0)) {
     out << "corrected by " << RadToDeg(estimate.applied_rad.norm()) << " deg in all\n";
   } else {
     out << "that is within what this drive can tell: the calibration is left as it is\n";
