@@ -13,7 +13,8 @@ constexpr double kWay_m = 1.0;
 constexpr int kMaxFrames = 20;
 
 // A track tells the direction of motion if it has moved by more than this; one that fits leaves its
-// epipolar plane by less than the noise and a share of its motion (an error of 9 deg).
+// epipolar plane by less than the noise and a share of its motion (an error of 9 deg). Which way it
+// has moved within the plane is not asked: so traffic along the road fits, too.
 constexpr double kMinParallax_rad = 0.015;
 constexpr double kNoise_rad = 0.003;
 constexpr double kFittingSlope = 0.15;

@@ -73,10 +73,10 @@ TEST(CalibrationCheck, NamesTheMistake) {
 }
 
 TEST(CalibrationCheck, SaysSoOfSomethingElseThatIsWrong) {
-  Calibration sideways = RightCalibration();
-  sideways.T_cam_lidar =
-      Rigid3d(ExpSo3({0.0, DegToRad(60.0), 0.0}), Eigen::Vector3d::Zero()) * sideways.T_cam_lidar;
-  const std::string said = Drive(sideways, RightCalibration(), 1.0);
+  Calibration upwards = RightCalibration();
+  upwards.T_cam_lidar =
+      Rigid3d(ExpSo3({DegToRad(-60.0), 0.0, 0.0}), Eigen::Vector3d::Zero()) * upwards.T_cam_lidar;
+  const std::string said = Drive(upwards, RightCalibration(), 1.0);
   EXPECT_THAT(said, HasSubstr("contradict the lidar's motion"));
   EXPECT_THAT(said, testing::Not(HasSubstr("% fit if")));
 }
