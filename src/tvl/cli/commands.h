@@ -9,6 +9,7 @@ class App;
 
 namespace tvl {
 
+void AddCalibrateCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInspectCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);

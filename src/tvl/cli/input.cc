@@ -3,6 +3,7 @@
 #include "tvl/base/check.h"
 #include "tvl/io/kitti_dataset.h"
 #include "tvl/io/profile.h"
+#include "tvl/slam/deskew_decision.h"
 
 #ifdef TVL_WITH_SIM
 #include "tvl/sim/sim_dataset.h"
@@ -10,26 +11,6 @@
 
 namespace tvl {
 namespace {
-
-// A dataset whose lidar is described by another profile than its own.
-class ReprofiledDataset : public Dataset {
- public:
-  ReprofiledDataset(std::unique_ptr<const Dataset> dataset, const LidarModel& lidar)
-      : dataset_(std::move(dataset)), setup_(dataset_->setup()) {
-    setup_.lidar = lidar;
-  }
-  const SensorSetup& setup() const override { return setup_; }
-  size_t size() const override { return dataset_->size(); }
-  SensorFrame Frame(size_t index) const override { return dataset_->Frame(index); }
-  Timestamp Stamp(size_t index) const override { return dataset_->Stamp(index); }
-  std::vector<Rigid3d> Truth_T_first_cam0() const override {
-    return dataset_->Truth_T_first_cam0();
-  }
-
- private:
-  std::unique_ptr<const Dataset> dataset_;
-  SensorSetup setup_;
-};
 
 std::unique_ptr<Dataset> OpenSimulation(const std::string& spec) {
 #ifdef TVL_WITH_SIM
@@ -41,11 +22,20 @@ std::unique_ptr<Dataset> OpenSimulation(const std::string& spec) {
 
 }  // namespace
 
+std::optional<Deskew> ParseDeskew(const std::string& text) {
+  for (const Deskew deskew : {Deskew::kNone, Deskew::kClockwise, Deskew::kCounterClockwise}) {
+    if (text == ToString(deskew)) return deskew;
+  }
+  return std::nullopt;
+}
+
 std::unique_ptr<Dataset> OpenInput(const std::string& spec, const InputOptions& options) {
   if (spec.rfind("sim:", 0) == 0) {
     std::unique_ptr<Dataset> simulation = OpenSimulation(spec);
     if (options.profile.empty()) return simulation;
-    return std::make_unique<ReprofiledDataset>(std::move(simulation), LoadProfile(options.profile));
+    SensorSetup setup = simulation->setup();
+    setup.lidar = LoadProfile(options.profile);
+    return std::make_unique<ReconfiguredDataset>(std::move(simulation), std::move(setup));
   }
   const LidarModel lidar = LoadProfile(options.profile.empty() ? "kitti" : options.profile);
   KittiOptions kitti;

@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tvl/sensor/dataset.h"
 
@@ -19,6 +22,27 @@ struct InputOptions {
   size_t first_frame = 0;
   bool require_first_scan = true;
 };
+
+// A dataset whose sensors are described by another setup than its own.
+class ReconfiguredDataset : public Dataset {
+ public:
+  ReconfiguredDataset(std::shared_ptr<const Dataset> dataset, SensorSetup setup)
+      : dataset_(std::move(dataset)), setup_(std::move(setup)) {}
+  const SensorSetup& setup() const override { return setup_; }
+  size_t size() const override { return dataset_->size(); }
+  SensorFrame Frame(size_t index) const override { return dataset_->Frame(index); }
+  Timestamp Stamp(size_t index) const override { return dataset_->Stamp(index); }
+  std::vector<Rigid3d> Truth_T_first_cam0() const override {
+    return dataset_->Truth_T_first_cam0();
+  }
+
+ private:
+  std::shared_ptr<const Dataset> dataset_;
+  SensorSetup setup_;
+};
+
+// What --deskew says; empty for auto. The command line has refused anything else.
+std::optional<Deskew> ParseDeskew(const std::string& text);
 
 // `spec`: a folder in the KITTI odometry or raw layout, or `sim:PRESET?key=value&...`.
 // Throws InputError naming what is wrong. Warnings are in setup().warnings.

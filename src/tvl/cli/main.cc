@@ -21,6 +21,7 @@ void AddCommands(CLI::App& app) {
 #ifdef TVL_WITH_SIM
   AddSimulateCommand(app);
 #endif
+  AddCalibrateCommand(app);
   AddEvaluateCommand(app);
   AddInspectCommand(app);
   AddShowCommand(app);

@@ -44,18 +44,11 @@ struct RunArguments {
   bool no_loops = false, lidar_only = false;
 };
 
-std::optional<Deskew> ParseDeskew(const std::string& text) {
-  for (const Deskew deskew : {Deskew::kNone, Deskew::kClockwise, Deskew::kCounterClockwise}) {
-    if (text == ToString(deskew)) return deskew;
-  }
-  return std::nullopt;  // auto; the command line has refused anything else
-}
-
 RunOptions MakeOptions(const RunArguments& arguments) {
   RunOptions options;
   if (!arguments.config.empty()) options = LoadOptions(arguments.config);
   options.threads = arguments.threads;
-  if (arguments.deskew != "auto") options.deskew = ParseDeskew(arguments.deskew);
+  options.deskew = ParseDeskew(arguments.deskew);
   if (arguments.lidar_only) options.slam.use_camera = false;
   if (arguments.no_loops) options.slam.loops.enabled = false;
   options.Check();

@@ -2,8 +2,11 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "tvl/base/check.h"
+#include "tvl/io/atomic_file.h"
 #include "tvl/io/text_file.h"
 
 namespace tvl {
@@ -18,6 +21,16 @@ Matrix34d Matrix34Of(const std::vector<double>& row_major) {
 
 Eigen::Matrix3d Matrix33Of(const std::vector<double>& row_major) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(row_major.data());
+}
+
+// Each number after a blank, exactly enough to be read back.
+std::string RowMajor(const Eigen::MatrixXd& m) {
+  std::ostringstream out;
+  out << std::scientific << std::setprecision(12);
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index column = 0; column < m.cols(); ++column) out << " " << m(row, column);
+  }
+  return out.str();
 }
 
 // Checked to be a rigid motion.
@@ -58,8 +71,8 @@ KittiCalibration ReadRawCalibration(const std::string& date_folder) {
   Matrix34d unrectified;
   unrectified.leftCols<3>() = Matrix33Of(velodyne.Get("R", 9));
   unrectified.col(3) = Eigen::Vector3d(velodyne.Get("T", 3).data());
-  kitti.T_cam0_lidar = RigidOf(rectification, cameras.path() + ": R_rect_00") *
-                       RigidOf(unrectified, velodyne.path() + ": R");
+  kitti.rectification = RigidOf(rectification, cameras.path() + ": R_rect_00");
+  kitti.T_cam0_lidar = kitti.rectification * RigidOf(unrectified, velodyne.path() + ": R");
   return kitti;
 }
 
@@ -83,6 +96,35 @@ Calibration CalibrationOfCamera(const KittiCalibration& kitti, int camera) {
   calibration.T_cam_lidar =
       Rigid3d(Eigen::Quaterniond::Identity(), p_camN_cam0) * kitti.T_cam0_lidar;
   return calibration;
+}
+
+KittiCalibration KittiCalibrationOf(const Calibration& calibration) {
+  KittiCalibration kitti;
+  const Camera& camera = calibration.camera;
+  Matrix34d P = Matrix34d::Zero();
+  P.leftCols<3>() << camera.fx_px, 0.0, camera.cx_px, 0.0, camera.fy_px, camera.cy_px, 0.0, 0.0,
+      1.0;
+  kitti.P.fill(P);
+  kitti.T_cam0_lidar = calibration.T_cam0_lidar;
+  return kitti;
+}
+
+void WriteOdometryCalibration(const std::string& path, const KittiCalibration& kitti) {
+  WriteAtomically(path, [&](std::ostream& file) {
+    for (size_t n = 0; n < kitti.P.size(); ++n) {
+      if (kitti.P[n]) file << "P" << n << ":" << RowMajor(*kitti.P[n]) << "\n";
+    }
+    Matrix34d Tr;
+    Tr << kitti.T_cam0_lidar.R(), kitti.T_cam0_lidar.t();
+    file << "Tr:" << RowMajor(Tr) << "\n";
+  });
+}
+
+void WriteRawExtrinsics(const std::string& path, const KittiCalibration& kitti) {
+  const Rigid3d T_velo_to_cam = kitti.rectification.Inverse() * kitti.T_cam0_lidar;
+  WriteAtomically(path, [&](std::ostream& file) {
+    file << "R:" << RowMajor(T_velo_to_cam.R()) << "\nT:" << RowMajor(T_velo_to_cam.t()) << "\n";
+  });
 }
 
 Calibration CalibrationWithoutCamera(const KittiCalibration& kitti) {

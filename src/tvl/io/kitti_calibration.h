@@ -17,7 +17,8 @@ namespace tvl {
 struct KittiCalibration {
   std::string source;  // the file, for errors
   std::array<std::optional<Matrix34d>, 4> P;
-  Rigid3d T_cam0_lidar;  // into rectified camera 0
+  Rigid3d T_cam0_lidar;   // into rectified camera 0
+  Rigid3d rectification;  // into rectified camera 0 from camera 0; of a raw drive
 };
 
 // calib.txt of a sequence in the odometry layout: P0..P3, Tr (or Tr_velo_to_cam).
@@ -31,6 +32,15 @@ KittiCalibration ReadRawCalibration(const std::string& date_folder);
 // Calibration for camera 0..3; the image size stays unknown (0). Throws InputError if P_N is
 // missing or not a pinhole camera.
 Calibration CalibrationOfCamera(const KittiCalibration& kitti, int camera);
+
+// Of one camera, which is camera 0 as well: of a simulated drive.
+KittiCalibration KittiCalibrationOf(const Calibration& calibration);
+
+// calib.txt with the matrices there are and Tr. Throws InputError if it cannot be written.
+void WriteOdometryCalibration(const std::string& path, const KittiCalibration& kitti);
+
+// calib_velo_to_cam.txt of a raw drive, whose other files stay. Throws as above.
+void WriteRawExtrinsics(const std::string& path, const KittiCalibration& kitti);
 
 // Calibration without a camera: T_cam_lidar = T_cam0_lidar, no intrinsics.
 Calibration CalibrationWithoutCamera(const KittiCalibration& kitti);

@@ -16,6 +16,8 @@ constexpr double kKernelSigmas = 2.0;
 // Once a correction is in use, what led to it counts for this share: it was measured with poses
 // that the wrong extrinsics had pulled along, and falls short.
 constexpr double kKeptAfterCorrection = 0.3;
+// Edges and tracks that differ by more standard deviations do not look at the same: tracks count.
+constexpr double kContradictionSigmas = 4.0;
 constexpr double kMadToSigma = 1.4826;  // of a normal distribution
 
 std::vector<Epipolar> CommonRays(const std::vector<std::pair<TrackId, Eigen::Vector3d>>& from,
@@ -80,6 +82,7 @@ void ExtrinsicCalibrationOptions::Check() const {
   TVL_CHECK_INPUT(doubt_significance > 0.0) << "extrinsics.doubt_significance: must be positive";
   TVL_CHECK_INPUT(min_significance >= doubt_significance)
       << "extrinsics.min_significance: must be at least doubt_significance";
+  edges.Check();
 }
 
 ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
@@ -87,7 +90,8 @@ ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
     : options_(options),
       given_(given.T_cam_lidar),
       T_cam_lidar_(given.T_cam_lidar),
-      corner_sigma_rad_(options.corner_sigma_px / given.camera.fx_px) {
+      corner_sigma_rad_(options.corner_sigma_px / given.camera.fx_px),
+      edges_(options.edges) {
   options_.Check();
 }
 
@@ -104,6 +108,15 @@ bool ExtrinsicCalibration::Add(const FeatureTracks& tracks, const Rigid3d& T_odo
   if (start == nullptr) return false;
   Compare(*start, views_.back());
   views_.erase(views_.begin(), views_.end() - 1);  // the next window begins here
+  return Apply();
+}
+
+bool ExtrinsicCalibration::WantsEdges(const Rigid3d& T_odom_lidar) {
+  return options_.enabled && options_.use_edges && edges_.IsDue(T_odom_lidar);
+}
+
+bool ExtrinsicCalibration::AddEdges(EdgeProfiles edges) {
+  edges_.Add(std::move(edges), applied_rad_);
   return Apply();
 }
 
@@ -146,11 +159,26 @@ void ExtrinsicCalibration::Compare(const View& from, const View& to) {
   ++windows_;
 }
 
-Eigen::Matrix3d ExtrinsicCalibration::Information() const {
-  return H_ + std::pow(options_.prior_rad, -2) * Eigen::Matrix3d::Identity();
+Eigen::Matrix3d ExtrinsicCalibration::EdgeInformation() const {
+  const EdgeEstimate& edges = edges_.estimate();
+  if (edges.images == 0 || windows_ == 0) return edges.information;
+  const Eigen::Matrix3d prior = std::pow(options_.prior_rad, -2) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d by_tracks = (H_ + prior).inverse();
+  const Eigen::Vector3d apart_rad = edges.rotation_rad - applied_rad_ + by_tracks * b_;
+  const double squared =
+      apart_rad.dot((by_tracks + edges.information.inverse()).ldlt().solve(apart_rad));
+  if (squared > kContradictionSigmas * kContradictionSigmas) return Eigen::Matrix3d::Zero();
+  return edges.information;
 }
 
-Eigen::Vector3d ExtrinsicCalibration::Remaining() const { return -Information().ldlt().solve(b_); }
+Eigen::Matrix3d ExtrinsicCalibration::Information() const {
+  return H_ + EdgeInformation() + std::pow(options_.prior_rad, -2) * Eigen::Matrix3d::Identity();
+}
+
+Eigen::Vector3d ExtrinsicCalibration::Remaining() const {
+  const Eigen::Vector3d by_edges_rad = edges_.estimate().rotation_rad - applied_rad_;
+  return Information().ldlt().solve(EdgeInformation() * by_edges_rad - b_);
+}
 
 Eigen::Matrix3d ExtrinsicCalibration::Covariance() const {
   return Information().inverse() +
@@ -182,6 +210,7 @@ ExtrinsicEstimate ExtrinsicCalibration::estimate() const {
   estimate.applied_rad = applied_rad_;
   estimate.sigma_rad = Covariance().diagonal().cwiseSqrt();
   estimate.windows = windows_;
+  estimate.edge_images = edges_.estimate().images;
   return estimate;
 }
 

@@ -23,6 +23,7 @@
 
 #include "tvl/frame/feature_tracks.h"
 #include "tvl/geometry/rigid3.h"
+#include "tvl/registration/edge_alignment.h"
 #include "tvl/sensor/calibration.h"
 
 namespace tvl {
@@ -48,7 +49,9 @@ struct ExtrinsicCalibrationOptions {
   // From an error of so many standard deviations on, the extrinsics count as uncertain.
   double doubt_significance = 2.0;
   double min_significance = 3.0;  // of a correction, in standard deviations; smaller is not used
-  void Check() const;             // throws InputError naming the field
+  bool use_edges = true;          // outlines in the scan against the image's
+  EdgeAlignmentOptions edges;
+  void Check() const;  // throws InputError naming the field
 };
 
 // What is known of the extrinsic rotation. Right in T_cam_lidar = Exp(rotation) * T_given, rotation
@@ -58,6 +61,7 @@ struct ExtrinsicEstimate {
   Eigen::Vector3d sigma_rad = Eigen::Vector3d::Zero();     // its standard deviations
   Eigen::Vector3d applied_rad = Eigen::Vector3d::Zero();   // of it, what T_cam_lidar() holds
   int windows = 0;                                         // that were compared
+  int edge_images = 0;                                     // whose outlines count
 };
 
 class ExtrinsicCalibration {
@@ -68,6 +72,10 @@ class ExtrinsicCalibration {
   // Takes the tracks of one frame, without those on moving things, and its measured pose. True if
   // T_cam_lidar() changed.
   bool Add(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar);
+  // True if AddEdges is to be called for the frame with that pose. To be asked once a frame.
+  bool WantsEdges(const Rigid3d& T_odom_lidar);
+  // Takes the outlines of a frame, found with T_cam_lidar(). True if T_cam_lidar() changed.
+  bool AddEdges(EdgeProfiles edges);
   // What was seen before does not continue: the pose was lost, or moved.
   void Forget() { views_.clear(); }
 
@@ -86,6 +94,8 @@ class ExtrinsicCalibration {
   // The view from which the newest is a window away, or null.
   const View* FindStart() const;
   void Compare(const View& from, const View& to);
+  // What edges say of the rotation that is left; zero where tracks contradict them.
+  Eigen::Matrix3d EdgeInformation() const;
   // Of the error that is left in T_cam_lidar().
   Eigen::Matrix3d Information() const;
   Eigen::Matrix3d Covariance() const;
@@ -100,6 +110,7 @@ class ExtrinsicCalibration {
   // windows marginalised out.
   Eigen::Matrix3d H_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b_ = Eigen::Vector3d::Zero();
+  EdgeAlignment edges_;
   std::deque<View> views_;
   int windows_ = 0;
   bool in_doubt_ = false;

@@ -190,7 +190,8 @@ json ExtrinsicsReport(const ExtrinsicEstimate& estimate) {
   return {{"rotation_deg", AnglesDeg(estimate.rotation_rad)},
           {"sigma_deg", AnglesDeg(estimate.sigma_rad)},
           {"applied_deg", AnglesDeg(estimate.applied_rad)},
-          {"windows", estimate.windows}};
+          {"windows", estimate.windows},
+          {"edge_images", estimate.edge_images}};
 }
 
 // YAML's scalars are text: numbers and booleans get their type back.

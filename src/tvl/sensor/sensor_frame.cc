@@ -30,6 +30,8 @@ const char* ToString(FrameFault::Kind kind) {
       return "time_gap";
     case FrameFault::Kind::kRepeatedScan:
       return "repeated_scan";
+    case FrameFault::Kind::kOddCalibration:
+      return "odd_calibration";
     case FrameFault::Kind::kRepeatedImage:
       return "repeated_image";
   }

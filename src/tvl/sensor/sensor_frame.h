@@ -25,10 +25,11 @@ struct FrameFault {
     kBlackImage,
     kWrongSizeImage,
     kTimeNotIncreasing,
-    kIrregularTime,  // a stamp between two turns of the lidar: not believed
-    kTimeGap,        // more than one turn after the frame before
-    kRepeatedScan,   // equal to the scan before: left out
-    kRepeatedImage,  // equal to an image before, though the scan is new: left out
+    kIrregularTime,   // a stamp between two turns of the lidar: not believed
+    kTimeGap,         // more than one turn after the frame before
+    kRepeatedScan,    // equal to the scan before: left out
+    kRepeatedImage,   // equal to an image before, though the scan is new: left out
+    kOddCalibration,  // that cannot be meant for the images: inverted, or they were resized
   };
   Kind kind;
   std::string message;  // names the file or frame

@@ -397,6 +397,17 @@ void VisitFields(Visitor& visit, TrafficOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, EdgeAlignmentOptions& options) {
+  TVL_FIELD(max_edges);
+  TVL_FIELD(max_images);
+  TVL_FIELD(min_way_m);
+  TVL_FIELD(every_frames);
+  TVL_FIELD(bias_across_rad);
+  TVL_FIELD(bias_up_rad);
+  TVL_FIELD(bias_about_rad);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(enabled);
   TVL_FIELD(window_m);
@@ -410,6 +421,8 @@ void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(memory_windows);
   TVL_FIELD(doubt_significance);
   TVL_FIELD(min_significance);
+  TVL_FIELD(use_edges);
+  TVL_FIELD(edges);
 }
 
 template <typename Visitor>

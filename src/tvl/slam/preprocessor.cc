@@ -109,14 +109,24 @@ void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beam
   times->features_ms += watch.ElapsedMs();
 }
 
+std::vector<Eigen::Vector3f> Preprocessor::PointsAtStamp(const PreprocessedFrame& frame,
+                                                         const PredictedMotion& motion) const {
+  if (deskew_ == Deskew::kNone) return frame.scan.points;
+  return DeskewPoints(frame.scan.points, frame.scan.time_offset_s, motion.T_prev_cur,
+                      motion.period_s);
+}
+
+EdgeProfiles Preprocessor::FindEdges(const PreprocessedFrame& preprocessed,
+                                     const PredictedMotion& motion, int max_edges) const {
+  if (!preprocessed.has_scan || !preprocessed.has_image) return {};
+  return FindEdgeProfiles(tracker_.grey(), preprocessed.scan, PointsAtStamp(preprocessed, motion),
+                          setup_.calibration.camera, setup_.calibration.T_cam_lidar, max_edges);
+}
+
 VisualDepths Preprocessor::FindDepths(const FeatureTracks& tracks, const PreprocessedFrame& frame,
                                       const PredictedMotion& motion) const {
   if (!frame.has_scan || tracks.tracks.empty()) return VisualDepths(tracks.tracks.size());
-  const std::vector<Eigen::Vector3f> points =
-      deskew_ == Deskew::kNone ? frame.scan.points
-                               : DeskewPoints(frame.scan.points, frame.scan.time_offset_s,
-                                              motion.T_prev_cur, motion.period_s);
-  return AssociateDepth(tracks, points, frame.scan, setup_.calibration.camera,
+  return AssociateDepth(tracks, PointsAtStamp(frame, motion), frame.scan, setup_.calibration.camera,
                         setup_.calibration.T_cam_lidar, setup_.lidar, options_.depth);
 }
 

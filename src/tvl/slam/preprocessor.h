@@ -5,6 +5,7 @@
 #include "tvl/frame/image_features.h"
 #include "tvl/frame/preprocessed_frame.h"
 #include "tvl/registration/beam_calibration.h"
+#include "tvl/registration/edge_alignment.h"
 #include "tvl/sensor/dataset.h"
 #include "tvl/slam/slam_options.h"
 #include "tvl/slam/stage_times.h"
@@ -37,7 +38,15 @@ class Preprocessor {
   ImageFeatures Describe(const SensorFrame& frame, const PreprocessedFrame& preprocessed,
                          const PredictedMotion& motion) const;
 
+  // Of the frame processed last: outlines of its scan in its image. `motion` is the frame's, as
+  // estimated.
+  EdgeProfiles FindEdges(const PreprocessedFrame& preprocessed, const PredictedMotion& motion,
+                         int max_edges) const;
+
  private:
+  // The scan's points at the time of the image.
+  std::vector<Eigen::Vector3f> PointsAtStamp(const PreprocessedFrame& frame,
+                                             const PredictedMotion& motion) const;
   void ProcessImage(const SensorFrame& frame, const PredictedMotion& predicted,
                     PreprocessedFrame* out, StageTimes* times);
   void ProcessScan(const SensorFrame& frame, const BeamOffsets& beams, PreprocessedFrame* out,

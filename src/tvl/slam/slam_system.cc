@@ -66,6 +66,7 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       moving_tracks_(setup_.calibration, options_.mapping.moving_tracks),
       beams_(setup.lidar.rows(), options_.mapping.beams),
       extrinsics_(setup_.calibration, options_.extrinsics),
+      calibration_check_(setup_.calibration),
       loop_thread_(in_background && options_.loops.enabled) {
   setup_.lidar.Check();
   map_.store = std::make_shared<KeyframeStore>(options_.mapping.store);
@@ -112,10 +113,11 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
       if (found.bridge) {
         moving_tracks_.Forget();
         extrinsics_.Forget();
+        calibration_check_.Forget();
       }
       moving_tracks_.Update(all_tracks, all_depths, result.T_odom_lidar);
       landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
-      CalibrateExtrinsics(current.tracks, result.T_odom_lidar);
+      CalibrateExtrinsics(current, all_tracks, &result);
     }
   }
   result.is_keyframe = IsDueKeyframe(current, result);
@@ -141,6 +143,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
     moving_tracks_.Forget();
     extrinsics_.Forget();
+    calibration_check_.Forget();
   }
   if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan &&
       finder_.MayHaveTravelled_m() > kSurroundings_m) {
@@ -158,7 +161,14 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
 
 SensorFrame SlamSystem::WithoutRepetitions(SensorFrame frame, FrameContext* context) {
   const std::string name = "frame " + std::to_string(frame.id);
-  if (!options_.use_camera || !setup_.has_camera) frame.image.release();
+  if (!options_.use_camera || !setup_.has_camera || calibration_check_.has_contradiction()) {
+    frame.image.release();
+  }
+  if (!frame.image.empty()) {
+    const std::string odd = calibration_check_.CheckImage(frame.image.cols, frame.image.rows);
+    if (!odd.empty())
+      frame.faults.push_back({FrameFault::Kind::kOddCalibration, name + ": " + odd});
+  }
   const Repetition repetition = repetition_.Check(frame);
   context->interval = clock_.Advance(frame.stamp);
   const FrameInterval& interval = context->interval;
@@ -295,8 +305,21 @@ void SlamSystem::CalibrateBeams(const FoundPose& found, const PreprocessedFrame&
 }
 
 // What was placed with other extrinsics is let go of.
-void SlamSystem::CalibrateExtrinsics(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar) {
-  const bool has_changed = extrinsics_.Add(tracks, T_odom_lidar);
+void SlamSystem::CalibrateExtrinsics(const PreprocessedFrame& frame,
+                                     const FeatureTracks& all_tracks, FrameResult* result) {
+  const Rigid3d& T_odom_lidar = result->T_odom_lidar;
+  // With all tracks: a wrong calibration makes all that stands seem to move.
+  const std::string odd = calibration_check_.Add(all_tracks, T_odom_lidar);
+  if (!odd.empty()) {
+    result->faults.push_back(
+        {FrameFault::Kind::kOddCalibration, "frame " + std::to_string(frame.id) + ": " + odd});
+  }
+  bool has_changed = extrinsics_.Add(frame.tracks, T_odom_lidar);
+  // Read with the extrinsics in use: not in the frame in which they change.
+  if (!has_changed && frame.has_image && frame.has_scan && extrinsics_.WantsEdges(T_odom_lidar)) {
+    has_changed = extrinsics_.AddEdges(
+        preprocessor_.FindEdges(frame, last_motion_, options_.extrinsics.edges.max_edges));
+  }
   if (has_changed) {  // camera 0 is turned with the one that is used: they sit on one frame
     Calibration& calibration = setup_.calibration;
     const Rigid3d T_cam0_cam = calibration.T_cam0_lidar * calibration.T_cam_lidar.Inverse();
@@ -332,6 +355,7 @@ void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   finder_.Restart();
   moving_tracks_.Forget();
   extrinsics_.Forget();
+  calibration_check_.Forget();
   lost_scans_ = 0;
 }
 

@@ -17,6 +17,7 @@
 #include "tvl/registration/beam_calibration.h"
 #include "tvl/registration/extrinsic_calibration.h"
 #include "tvl/sensor/dataset.h"
+#include "tvl/slam/calibration_check.h"
 #include "tvl/slam/loop_closer.h"
 #include "tvl/slam/loop_thread.h"
 #include "tvl/slam/pose_finder.h"
@@ -117,7 +118,9 @@ class SlamSystem {
   // What a frame's result says of its data and of the pose found.
   void Describe(const PreprocessedFrame& frame, const FoundPose& found, FrameResult* result) const;
   void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
-  void CalibrateExtrinsics(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar);
+  // `all_tracks`: those on moving things, too.
+  void CalibrateExtrinsics(const PreprocessedFrame& frame, const FeatureTracks& all_tracks,
+                           FrameResult* result);
   // As far as they are known by now, from the next frame on.
   void UseExtrinsics();
   // The scan before this one was compensated anew: replaces it where it is a keyframe.
@@ -152,6 +155,7 @@ class SlamSystem {
   MovingTracks moving_tracks_;
   BeamCalibration beams_;
   ExtrinsicCalibration extrinsics_;
+  CalibrationCheck calibration_check_;
   Map map_;
   OdometryPath path_;
   PredictedMotion last_motion_;  // of the last frame, as estimated

@@ -64,6 +64,9 @@ class FeatureTracker {
   // nothing that stands on it. Returns them; they are the last of the tracks.
   std::vector<FeatureTrack> AddOnRoad(const RoadView& road, int count, const Camera& camera);
 
+  // The last usable image, grey, 8 bit, before it was equalised; empty: none.
+  const cv::Mat& grey() const { return grey_; }
+
   // Deep copy of the memory, and its way back.
   FeatureTrackerState state() const;
   void set_state(const FeatureTrackerState& state);

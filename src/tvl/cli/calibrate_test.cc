@@ -1,0 +1,112 @@
+// `tvl calibrate`, and what `tvl run` says of calibrations that cannot be meant. Runs TVL_BINARY.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tvl/base/units.h"
+#include "tvl/io/kitti_calibration.h"
+#include "tvl/io/profile.h"
+#include "tvl/io/test_data.h"
+#include "tvl/io/test_folder.h"
+
+namespace tvl {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class CalibrateProgram : public testing::Test {
+ protected:
+  static std::string Text(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+  // Its exit code; what it says is in out_ and err_.
+  int Run(const std::string& arguments) {
+    const std::string out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command =
+        std::string(TVL_BINARY) + " " + arguments + " > " + out + " 2> " + err + " < /dev/null";
+    const int status = std::system(command.c_str());
+    out_ = Text(out);
+    err_ = Text(err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  // The recording with another calibration.
+  std::string RealDriveWith(const KittiCalibration& kitti, const std::string& recording) {
+    std::filesystem::create_directories(folder_ / "drive");
+    for (const char* part : {"velodyne", "image_2", "times.txt"}) {
+      std::filesystem::create_symlink(recording + "/" + part,
+                                      folder_ / (std::string("drive/") + part));
+    }
+    WriteOdometryCalibration(folder_ / "drive/calib.txt", kitti);
+    return folder_ / "drive";
+  }
+
+  TempFolder folder_;
+  std::string out_, err_;
+};
+
+TEST_F(CalibrateProgram, RefusesWhatTellsNothing) {
+  WriteKittiFolder(folder_, LoadProfile("kitti"), 3);
+  const std::string input = folder_.path().string();
+  EXPECT_EQ(Run("calibrate " + input), 2) << "--out is missing";
+  const std::string calibrate =
+      "calibrate " + input + " --deskew none --out " + (folder_ / "new.txt");
+  EXPECT_EQ(Run(calibrate), 2);
+  EXPECT_THAT(err_, HasSubstr("cannot be told from this drive"));
+  std::filesystem::remove_all(folder_ / "image_2");
+  EXPECT_EQ(Run(calibrate), 2);
+  EXPECT_THAT(err_, HasSubstr("no camera to calibrate"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new.txt"));
+}
+
+TEST_F(CalibrateProgram, FindsWhereTheCameraOfARealDrivePoints) {
+  const auto recording = TestDataPath("sequences/kitti360_3000");
+  if (!recording) GTEST_SKIP() << "TVL_TEST_DATA is not set: no real drive";
+  const KittiCalibration right = ReadOdometryCalibration(*recording + "/calib.txt");
+  KittiCalibration wrong = right;
+  wrong.T_cam0_lidar =
+      Rigid3d(ExpSo3({DegToRad(-0.5), DegToRad(0.9), 0.0}), Eigen::Vector3d::Zero()) *
+      right.T_cam0_lidar;
+  const std::string drive = RealDriveWith(wrong, *recording), out = folder_ / "calib.txt";
+  ASSERT_EQ(Run("calibrate " + drive + " --deskew cw --frames :32 --out " + out), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("deg further right than the calibration says (sigma 0.0"));
+  EXPECT_THAT(out_, HasSubstr("deg lower than the calibration says"));
+  const KittiCalibration found = ReadOdometryCalibration(out);
+  // Right within what the recording's own calibration is.
+  EXPECT_LT((found.T_cam0_lidar * right.T_cam0_lidar.Inverse()).RotationAngle(), DegToRad(0.35));
+  for (size_t n = 0; n < 4; ++n) EXPECT_TRUE(found.P[n]->isApprox(*right.P[n], 1e-9)) << n;
+}
+
+TEST_F(CalibrateProgram, RunSaysThatACalibrationIsInvertedOrMadeForOtherImages) {
+  const auto recording = TestDataPath("sequences/kitti360_3000");
+  if (!recording) GTEST_SKIP() << "TVL_TEST_DATA is not set: no real drive";
+  const KittiCalibration right = ReadOdometryCalibration(*recording + "/calib.txt");
+  KittiCalibration wrong = right;
+  wrong.T_cam0_lidar = right.T_cam0_lidar.Inverse();
+  const std::string run = " --deskew cw --frames :20 --no-loops --out " + (folder_ / "out");
+  ASSERT_EQ(Run("run " + RealDriveWith(wrong, *recording) + run), 0) << err_;
+  EXPECT_THAT(err_, HasSubstr("Tr is the inverse of what it should be"));
+  EXPECT_THAT(Text(folder_ / "out/run.json"), HasSubstr("\"fault_odd_calibration\": 1"));
+
+  std::filesystem::remove_all(folder_ / "drive");
+  wrong = right;
+  for (auto& P : wrong.P) P->topRows<2>() *= 2.0;
+  ASSERT_EQ(Run("run " + RealDriveWith(wrong, *recording) + run), 0) << err_;
+  EXPECT_THAT(err_, HasSubstr("principal point"));
+  EXPECT_THAT(err_, HasSubstr("the images are half the size P is made for"));
+
+  std::filesystem::remove_all(folder_ / "drive");
+  ASSERT_EQ(Run("run " + RealDriveWith(right, *recording) + run), 0) << err_;
+  EXPECT_THAT(err_, Not(HasSubstr("calib.txt")));
+}
+
+}  // namespace
+}  // namespace tvl
