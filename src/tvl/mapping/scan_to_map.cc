@@ -51,6 +51,7 @@ PoseProblemSetup SetupOf(const Sources& sources, const Calibration& calibration,
   setup.bins = SweepBins::Compensated();
   setup.prior = PriorTerm::Of(prior.T_world_lidar, prior.covariance, options.prior_share);
   setup.kernel_sigmas = options.kernel_sigmas;
+  setup.beam_sigma_rad = options.common_beam_sigma_rad;
   setup.visual_kernel_sigmas = options.visual_kernel_sigmas;
   setup.visual_gate_sigmas = options.visual_gate_sigmas;
   setup.weakness = options.weakness;
@@ -69,6 +70,9 @@ void Match(const Sources& sources, const Rigid3d& T, double gate_m, const ScanTo
   VisualMatches visual;
   laser.planes =
       MatchPlanes(sources.points.planes, sources.map.planes(), T, gate_m, noise, executor);
+  if (!sources.points.plane_beam.empty()) {
+    for (PlaneMatch& match : laser.planes) match.beam = sources.points.plane_beam[match.source];
+  }
   laser.lines = MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, noise);
   if (options.use_camera) visual.forward = sources.landmarks.Match(sources.tracks, T);
   problem->SetMatches(std::move(laser), std::move(visual), T);
@@ -107,6 +111,8 @@ void ScanToMapOptions::Check() const {
   TVL_CHECK_INPUT(source_voxel_m > 0.0) << "mapping.source_voxel_m: must be positive";
   TVL_CHECK_INPUT(sensor_sigma_m > 0.0) << "mapping.sensor_sigma_m: must be positive";
   TVL_CHECK_INPUT(edge_sigma_m > 0.0) << "mapping.edge_sigma_m: must be positive";
+  TVL_CHECK_INPUT(common_beam_sigma_rad >= 0.0)
+      << "mapping.common_beam_sigma_deg: must not be negative";
   TVL_CHECK_INPUT(kernel_sigmas > 0.0) << "mapping.kernel_sigmas: must be positive";
   TVL_CHECK_INPUT(max_refreshes >= 1) << "mapping.max_refreshes: must be at least 1";
   TVL_CHECK_INPUT(first_gate_m >= last_gate_m && last_gate_m > 0.0)

@@ -25,8 +25,12 @@ struct ScanToMapOptions {
   double source_voxel_m = 1.0;
   double sensor_sigma_m = 0.03;    // of a point across a surface; range noise and beam bias
   double beam_sigma_rad = 0.0014;  // of a beam's elevation (0.08 deg): 6 cm of height at 40 m
-  double edge_sigma_m = 0.10;      // of a point across an edge: edges are where beams happen to hit
-  double kernel_sigmas = 2.0;      // Cauchy
+  // Of a beam's elevation against the map, common to all points of the beam: its own 0.08 deg and
+  // as much of the beams that made the map. A beam's points are no more than one witness of the
+  // pitch.
+  double common_beam_sigma_rad = 0.002;  // 0.11 deg; 0: the errors of all points are independent
+  double edge_sigma_m = 0.10;  // of a point across an edge: edges are where beams happen to hit
+  double kernel_sigmas = 2.0;  // Cauchy
   double visual_kernel_sigmas = 2.0;  // Huber
   double visual_gate_sigmas = 3.0;    // of landmarks against laser and prior
   int max_refreshes = 6;              // of the correspondences
@@ -69,6 +73,7 @@ struct ScanToMapResult {
 struct MapStepPoints {
   std::vector<Eigen::Vector3f> planes, edges;  // p_lidar, m
   std::vector<uint32_t> plane_index;           // of each of `planes` in what they were thinned from
+  std::vector<uint16_t> plane_beam;            // of each of `planes`; may be empty
 };
 
 // `planes` and `edges` are compensated points in the lidar frame, thinned by the caller or not.

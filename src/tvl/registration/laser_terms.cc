@@ -1,6 +1,7 @@
 #include "tvl/registration/laser_terms.h"
 
 #include "tvl/geometry/robust.h"
+#include "tvl/registration/beam_directions.h"
 
 namespace tvl {
 namespace {
@@ -29,6 +30,18 @@ void AddLever(const Eigen::Vector3d& p_body, const Eigen::Matrix<double, 1, 3>& 
   lever.noalias() -= (weight * J_rotation.transpose()) * J_rotation;
 }
 
+void AddBeam(const PlaneMatch& match, const Residual<1>& residual, const Eigen::Matrix3d& R,
+             double weight, std::vector<BeamSum>* beams) {
+  const auto beam = static_cast<size_t>(match.beam);
+  if (beam >= beams->size()) beams->resize(beam + 1);
+  BeamSum& sum = (*beams)[beam];
+  const Eigen::Vector3d n_body = R.transpose() * match.factor.n_ref;
+  const double J_m = n_body.dot(DirectionsAt(match.factor.p_body).elevation);
+  sum.cross += (weight * J_m) * residual.J.transpose();
+  sum.information += weight * J_m * J_m;
+  sum.b += weight * J_m * residual.r[0];
+}
+
 template <typename Match>
 LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t end,
                         const SweepMotion& motion, double kernel_sigmas) {
@@ -43,6 +56,7 @@ LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t 
       sum.plane_sq_m2 += residual.r.squaredNorm();
       sum.plane_information += weight;
       AddLever(matches[i].factor.p_body, residual.J.template head<3>(), weight, &sum);
+      if (matches[i].beam >= 0) AddBeam(matches[i], residual, bin.R, weight, &sum.beams);
     } else {
       sum.line_sq_m2 += residual.r.squaredNorm();
     }
@@ -54,11 +68,29 @@ LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t 
 
 LaserSum& LaserSum::operator+=(const LaserSum& other) {
   normal += other.normal;
+  if (beams.size() < other.beams.size()) beams.resize(other.beams.size());
+  for (size_t k = 0; k < other.beams.size(); ++k) {
+    beams[k].cross += other.beams[k].cross;
+    beams[k].information += other.beams[k].information;
+    beams[k].b += other.beams[k].b;
+  }
   plane_sq_m2 += other.plane_sq_m2;
   line_sq_m2 += other.line_sq_m2;
   plane_information += other.plane_information;
   plane_lever_m2 += other.plane_lever_m2;
   return *this;
+}
+
+NormalEquations WithBeamErrors(const LaserSum& sum, double sigma_rad) {
+  NormalEquations rest = sum.normal;
+  if (sigma_rad <= 0.0) return rest;
+  for (const BeamSum& beam : sum.beams) {
+    const double gain = 1.0 / (beam.information + 1.0 / (sigma_rad * sigma_rad));
+    rest.H -= gain * beam.cross * beam.cross.transpose();
+    rest.b -= gain * beam.b * beam.cross;
+    rest.cost -= 0.5 * gain * beam.b * beam.b;
+  }
+  return rest;
 }
 
 LaserSum Linearize(const LaserMatches& matches, const Rigid3d& T, const SweepBins& bins,

@@ -112,7 +112,8 @@ Eigen::Matrix<double, 6, 3> PoseProblem::EffectOfExtrinsics(const Rigid3d& T) co
 
 ShiftedEquations PoseProblem::WithoutCamera(const ShiftedPose& pose) const {
   const Rigid3d T_laser = ShiftedByLaser(pose, weakness_.shift);
-  ShiftedEquations sum = WithShift(Laser(T_laser).normal, pose, weakness_.shift);
+  ShiftedEquations sum =
+      WithShift(WithBeamErrors(Laser(T_laser), setup_.beam_sigma_rad), pose, weakness_.shift);
   sum.pose += Linearize(prior_, pose.T);
   return sum;
 }

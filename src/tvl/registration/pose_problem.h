@@ -58,6 +58,7 @@ struct PoseProblemSetup {
   SweepBins bins;  // of the laser matches
   PriorTerm prior;
   double kernel_sigmas = 2.0;         // laser, Cauchy
+  double beam_sigma_rad = 0.0;        // error of a beam's elevation, common to all its points
   double visual_kernel_sigmas = 2.0;  // Huber
   double visual_gate_sigmas = 3.0;    // of visual matches against laser and prior
   WeaknessOptions weakness;

@@ -169,8 +169,11 @@ void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame, const Rigid3
                                     TrackedPose* tracked) const {
   if (reference.map.empty() || !reference.map_step_is_due) return;
   const auto& options = options_.mapping.scan_to_map;
-  const MapStepPoints points = ThinForMapStep(tracked->cloud.planes.points,
-                                              tracked->cloud.edges.points, options.source_voxel_m);
+  MapStepPoints points = ThinForMapStep(tracked->cloud.planes.points, tracked->cloud.edges.points,
+                                        options.source_voxel_m);
+  for (const uint32_t i : points.plane_index) {
+    points.plane_beam.push_back(frame.features.less_flat[i].ring);
+  }
   const PosePrior prior{T_odom_prior, tracked->odometry.covariance,
                         tracked->odometry.T_ref_body.t().norm()};
   tracked->map_step = RefinePose(points, reference.map, reference.landmarks, frame.tracks,

@@ -277,6 +277,7 @@ void VisitFields(Visitor& visit, ScanToMapOptions& options) {
   TVL_FIELD(source_voxel_m);
   TVL_FIELD(sensor_sigma_m);
   TVL_FIELD(beam_sigma_rad);
+  TVL_FIELD(common_beam_sigma_rad);
   TVL_FIELD(edge_sigma_m);
   TVL_FIELD(kernel_sigmas);
   TVL_FIELD(visual_kernel_sigmas);
