@@ -9,7 +9,12 @@ namespace {
 // Voxels numbered in the order of their first point.
 class VoxelNumbers {
  public:
-  explicit VoxelNumbers(double voxel_m) : per_m_(1.0 / voxel_m), slots_(size_t{1} << 12) {}
+  // Room for `expected` voxels; more take longer.
+  VoxelNumbers(double voxel_m, size_t expected) : per_m_(1.0 / voxel_m) {
+    size_t slots = 64;
+    while (slots < 2 * expected) slots *= 2;
+    slots_.resize(slots);
+  }
 
   // 20 bits an axis and a leading one: no key is 0.
   uint64_t Key(const Eigen::Vector3f& p) const {
@@ -70,17 +75,18 @@ struct Voxel {
   uint32_t passed = 0, middle = 0;  // points of it so far, and the one to keep
 };
 
-}  // namespace
-
-std::vector<uint32_t> MiddleOfEachVoxel(const std::vector<Eigen::Vector3f>& points,
-                                        double voxel_m) {
+// Of the `count` points point(0), point(1), ...
+template <typename Point>
+std::vector<uint32_t> Middle(size_t count, const Point& point, double voxel_m) {
   TVL_CHECK(voxel_m > 0.0) << "voxel " << voxel_m << " m";
-  VoxelNumbers numbers(voxel_m);
+  VoxelNumbers numbers(voxel_m, count / 4);
   std::vector<Run> runs;
   std::vector<uint32_t> counts;
+  counts.reserve(count / 4);
   uint64_t previous = 0;
-  for (uint32_t i = 0; i < points.size(); ++i) {
-    const uint64_t key = numbers.Key(points[i]);
+  runs.reserve(count / 4);
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint64_t key = numbers.Key(point(i));
     if (key != previous) {
       runs.push_back({numbers.Number(key), i, 0});
       counts.resize(numbers.size(), 0);
@@ -100,6 +106,20 @@ std::vector<uint32_t> MiddleOfEachVoxel(const std::vector<Eigen::Vector3f>& poin
     voxel.passed += run.size;
   }
   return kept;
+}
+
+}  // namespace
+
+std::vector<uint32_t> MiddleOfEachVoxel(const std::vector<Eigen::Vector3f>& points,
+                                        double voxel_m) {
+  return Middle(
+      points.size(), [&](uint32_t i) -> const Eigen::Vector3f& { return points[i]; }, voxel_m);
+}
+
+std::vector<uint32_t> MiddleOfEachVoxel(const std::vector<Eigen::Vector3f>& points,
+                                        const std::vector<uint32_t>& some, double voxel_m) {
+  return Middle(
+      some.size(), [&](uint32_t i) -> const Eigen::Vector3f& { return points[some[i]]; }, voxel_m);
 }
 
 }  // namespace tvl

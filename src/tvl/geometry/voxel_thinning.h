@@ -20,5 +20,8 @@ namespace tvl {
 //
 // Coordinates within +-500,000 voxels. Throws Error for a size <= 0.
 std::vector<uint32_t> MiddleOfEachVoxel(const std::vector<Eigen::Vector3f>& points, double voxel_m);
+// The same of points[some[0]], points[some[1]], ...: indices into `some`.
+std::vector<uint32_t> MiddleOfEachVoxel(const std::vector<Eigen::Vector3f>& points,
+                                        const std::vector<uint32_t>& some, double voxel_m);
 
 }  // namespace tvl

@@ -27,7 +27,9 @@ class RowPicker {
   RowPicker(const SegmentedScan& scan, const LidarModel& model, const LaserFeatureOptions& options)
       : scan_(scan),
         options_(options),
-        noise_m_(static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m)) {}
+        noise_m_(static_cast<float>(options.edge_noise_sigmas * 1.05 * model.range_sigma_m)) {
+    planar_.reserve(scan.size()), planar_c_.reserve(scan.size());
+  }
 
   // Points [begin, end) of the scan are the row. Appends to the features, but for F_lf.
   void Pick(size_t begin, size_t end, LaserFeatures* features) {
@@ -52,18 +54,13 @@ class RowPicker {
   // F_lf: one of the planar points of all rows a voxel. After the last Pick.
   std::vector<LaserFeature> LessFlat() const {
     std::vector<LaserFeature> features;
-    for (const uint32_t k : MiddleOfEachVoxel(planar_points_, options_.less_flat_voxel_m)) {
-      features.push_back(Feature(planar_[k].point, planar_[k].c));
+    for (const uint32_t k : MiddleOfEachVoxel(scan_.points, planar_, options_.less_flat_voxel_m)) {
+      features.push_back(Feature(planar_[k], planar_c_[k]));
     }
     return features;
   }
 
  private:
-  struct PlanarPoint {
-    size_t point;  // index into the scan
-    float c;
-  };
-
   void LoadRow(size_t end) {
     const size_t n = end - begin_;
     row_.range_m.resize(n), row_.angle_rad.resize(n);
@@ -121,8 +118,8 @@ class RowPicker {
   void PickPlanes(LaserFeatures* features) {
     for (const int i : candidates_.planes) {
       const size_t p = begin_ + static_cast<size_t>(i);
-      planar_.push_back({p, curvature_[static_cast<size_t>(i)].c});
-      planar_points_.push_back(scan_.points[p]);
+      planar_.push_back(static_cast<uint32_t>(p));
+      planar_c_.push_back(curvature_[static_cast<size_t>(i)].c);
     }
     const std::vector<int>& planes = candidates_.planes;
     plane_c_.resize(planes.size());
@@ -145,8 +142,8 @@ class RowPicker {
   const SegmentedScan& scan_;
   const LaserFeatureOptions& options_;
   const float noise_m_;
-  std::vector<PlanarPoint> planar_;             // of all rows
-  std::vector<Eigen::Vector3f> planar_points_;  // the same
+  std::vector<uint32_t> planar_;  // points of all rows, indices into the scan ...
+  std::vector<float> planar_c_;   // ... and their curvature
   size_t begin_ = 0;
   RingPoints row_;
   std::vector<PointCurvature> curvature_;
