@@ -1,14 +1,11 @@
 // `tvl calibrate`, and what `tvl run` says of calibrations that cannot be meant. Runs TVL_BINARY.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "tvl/base/units.h"
+#include "tvl/cli/test_program.h"
 #include "tvl/io/kitti_calibration.h"
 #include "tvl/io/profile.h"
 #include "tvl/io/test_data.h"
@@ -20,23 +17,14 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-class CalibrateProgram : public testing::Test {
+class CalibrateProgram : public Program {
  protected:
-  static std::string Text(const std::string& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
   // Its exit code; what it says is in out_ and err_.
   int Run(const std::string& arguments) {
-    const std::string out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command =
-        std::string(TVL_BINARY) + " " + arguments + " > " + out + " 2> " + err + " < /dev/null";
-    const int status = std::system(command.c_str());
-    out_ = Text(out);
-    err_ = Text(err);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    const Outcome outcome = Program::Run(arguments);
+    out_ = outcome.out;
+    err_ = outcome.err;
+    return outcome.exit_code;
   }
   // The recording with another calibration.
   std::string RealDriveWith(const KittiCalibration& kitti, const std::string& recording) {
@@ -49,7 +37,6 @@ class CalibrateProgram : public testing::Test {
     return folder_ / "drive";
   }
 
-  TempFolder folder_;
   std::string out_, err_;
 };
 

@@ -1,13 +1,13 @@
 // The program as a whole: exit codes, messages, files written. Runs the binary TVL_BINARY.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "tvl/cli/test_program.h"
 #include "tvl/io/profile.h"
 #include "tvl/io/test_folder.h"
 #include "tvl/io/text_file.h"
@@ -19,30 +19,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-struct Outcome {
-  int exit_code;
-  std::string out, err;
-};
-
-class Program : public testing::Test {
- protected:
-  static std::string Text(const std::string& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-  Outcome Run(const std::string& arguments) const {
-    const std::string out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command =
-        std::string(TVL_BINARY) + " " + arguments + " > " + out + " 2> " + err + " < /dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Text(out), Text(err)};
-  }
-
-  TempFolder folder_;
-};
 
 TEST_F(Program, HelpAndVersionSucceed) {
   const Outcome help = Run("--help");

@@ -30,13 +30,14 @@ void AddLever(const Eigen::Vector3d& p_body, const Eigen::Matrix<double, 1, 3>& 
   lever.noalias() -= (weight * J_rotation.transpose()) * J_rotation;
 }
 
-void AddBeam(const PlaneMatch& match, const Residual<1>& residual, const Eigen::Matrix3d& R,
-             double weight, std::vector<BeamSum>* beams) {
+void AddBeam(const PlaneMatch& match, const Residual<1>& residual, double weight,
+             std::vector<BeamSum>* beams) {
   const auto beam = static_cast<size_t>(match.beam);
   if (beam >= beams->size()) beams->resize(beam + 1);
   BeamSum& sum = (*beams)[beam];
-  const Eigen::Vector3d n_body = R.transpose() * match.factor.n_ref;
-  const double J_m = n_body.dot(DirectionsAt(match.factor.p_body).elevation);
+  // By the translation the residual changes with the normal in the body's frame.
+  const double J_m =
+      residual.J.tail<3>().dot(DirectionsAt(match.factor.p_body).elevation.transpose());
   sum.cross += (weight * J_m) * residual.J.transpose();
   sum.information += weight * J_m * J_m;
   sum.b += weight * J_m * residual.r[0];
@@ -56,7 +57,7 @@ LaserSum LinearizeRange(const std::vector<Match>& matches, size_t begin, size_t 
       sum.plane_sq_m2 += residual.r.squaredNorm();
       sum.plane_information += weight;
       AddLever(matches[i].factor.p_body, residual.J.template head<3>(), weight, &sum);
-      if (matches[i].beam >= 0) AddBeam(matches[i], residual, bin.R, weight, &sum.beams);
+      if (matches[i].beam >= 0) AddBeam(matches[i], residual, weight, &sum.beams);
     } else {
       sum.line_sq_m2 += residual.r.squaredNorm();
     }
