@@ -43,6 +43,8 @@ struct MotionEstimate {
   Rigid3d T_ref_body;  // odometry: T_prev_cur; map step: T_world_lidar
   // Covariance of T_ref_body, right perturbation in the body frame, [rotation, translation].
   Matrix6d covariance = Matrix6d::Identity();
+  // What scan and image say of it, without the prior: as claimed by the weights of the residuals.
+  Matrix6d information = Matrix6d::Zero();
   EstimateStatus status = EstimateStatus::kFirst;
   EstimateEvidence evidence;
   std::vector<WeakDirection> weak;

@@ -55,8 +55,7 @@ PoseProblemSetup SetupOf(const Sources& sources, const Calibration& calibration,
   setup.visual_kernel_sigmas = options.visual_kernel_sigmas;
   setup.visual_gate_sigmas = options.visual_gate_sigmas;
   setup.weakness = options.weakness;
-  setup.covariance = options.covariance;
-  setup.gate_covariance = options.covariance;
+  setup.covariance = CovarianceOptions::AsClaimed();
   setup.gate_covariance.inflation = options.gate_inflation;
   setup.step_m = prior.step_m;
   return setup;
@@ -89,6 +88,7 @@ ScanToMapResult Describe(const PoseProblem& problem, const PoseSolution& solutio
   MotionEstimate& estimate = result.estimate;
   estimate.T_ref_body = solution.T;
   estimate.covariance = problem.Covariance(solution);
+  estimate.information = problem.Information(solution);
   estimate.weak = problem.weakness().directions;
   estimate.evidence = problem.Evidence(solution.T);
   const std::vector<double> planes_m =
@@ -121,7 +121,6 @@ void ScanToMapOptions::Check() const {
       << "mapping.prior_share: must be in 0..1";
   TVL_CHECK_INPUT(gate_inflation >= 1.0) << "mapping.gate_inflation: must be at least 1";
   weakness.Check();
-  covariance.Check();
 }
 
 MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,
@@ -159,6 +158,7 @@ ScanToMapResult RefinePose(const MapStepPoints& points, const LocalMap& map,
     result.estimate.status = EstimateStatus::kPredicted;
     result.estimate.T_ref_body = prior.T_world_lidar;
     result.estimate.covariance = prior.covariance;
+    result.estimate.information.setZero();
   }
   return result;
 }

@@ -153,6 +153,10 @@ Matrix6d PoseProblem::Covariance(const PoseSolution& solution) const {
   return CovarianceOf(solution.at_T.H, solution.T, setup_.covariance);
 }
 
+Matrix6d PoseProblem::Information(const PoseSolution& solution) const {
+  return solution.at_T.H - Linearize(prior_, solution.T).H;
+}
+
 Matrix6d PoseProblem::CovarianceAt(const Rigid3d& T) const {
   return CovarianceOf(WithoutShift(Equations({T, Vector6d::Zero()})).H, T, setup_.covariance);
 }

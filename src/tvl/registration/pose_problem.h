@@ -94,6 +94,8 @@ class PoseProblem {
 
   // Of a solution: its shift eliminated, inflated, with floors.
   Matrix6d Covariance(const PoseSolution& solution) const;
+  // What laser and camera say of a solution, its shift eliminated, as the weights claim.
+  Matrix6d Information(const PoseSolution& solution) const;
   // At T without having solved.
   Matrix6d CovarianceAt(const Rigid3d& T) const;
 

@@ -110,12 +110,16 @@ const char* TrackingName(TrackingStatus status) {
   return "unknown";
 }
 
+// Symmetric: the order is no matter.
+std::vector<double> Elements(const Matrix6d& covariance) {
+  return {covariance.data(), covariance.data() + covariance.size()};
+}
+
 json Frame(const FrameResult& frame, double f_px) {
   json faults = json::array();
   for (const FrameFault& fault : frame.faults) {
     faults.push_back({{"kind", ToString(fault.kind)}, {"message", fault.message}});
   }
-  const double* covariance = frame.step_covariance.data();  // symmetric: the order is no matter
   return {{"frame", frame.id},
           {"stamp_ns", frame.stamp.ns},
           {"status", ToString(frame.status)},
@@ -135,7 +139,10 @@ json Frame(const FrameResult& frame, double f_px) {
           {"translation_ratio", frame.map_step.translation_ratio},
           {"rotation_ratio", frame.map_step.rotation_ratio},
           {"weak", Weak(frame.map_step.estimate.weak)},
-          {"step_covariance", std::vector<double>(covariance, covariance + 36)},
+          {"step_covariance", Elements(frame.step_covariance)},
+          {"pose_covariance", Elements(frame.pose_covariance)},
+          {"noise_covariance", Elements(frame.noise_covariance)},
+          {"walk_covariance", Elements(frame.walk_covariance)},
           {"faults", faults},
           {"total_ms", frame.times.total_ms}};
 }

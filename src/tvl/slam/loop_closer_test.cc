@@ -81,8 +81,7 @@ TEST(LoopCloser, ARowThatAgreesIsBelievedAgainstTheGraph) {
   const ForthAndBack drive(RandomHouses(1), RandomHouses(1), SlowDrift(), 0.4);
   LoopOptions options;
   options.consistency.drift_floor_m = options.consistency.drift_share = 0.0;
-  options.consistency.drift_rad_per_m = 0.0;
-  options.consistency.graph_inflation = 1.0;  // and so the graph contradicts all of them
+  options.consistency.drift_rad_per_m = 0.0;  // and so the graph contradicts all of them
   LoopCloser closer = drive.MakeCloser(options);
   drive.Run(&closer);
   EXPECT_GE(CountOf(LoopOutcome::kAccepted, closer.report()), 10);
@@ -129,12 +128,12 @@ TEST(LoopCloser, RefusesKeyframesOutOfTurn) {
 
 TEST(LoopOptions, NameTheBadField) {
   LoopOptions options;
-  options.consistency.graph_inflation = 0.5;
+  options.consistency.max_chi2 = 0.0;
   try {
     options.Check();
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("loops.consistency.graph_inflation"),
+    EXPECT_NE(std::string(error.what()).find("loops.consistency.max_chi2"),
               std::string::npos);
   }
 }

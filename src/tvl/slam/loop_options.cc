@@ -6,8 +6,6 @@ namespace tvl {
 
 void LoopConsistencyOptions::Check() const {
   TVL_CHECK_INPUT(max_chi2 > 0.0) << "loops.consistency.max_chi2: must be positive";
-  TVL_CHECK_INPUT(graph_inflation >= 1.0)
-      << "loops.consistency.graph_inflation: must be at least 1";
   TVL_CHECK_INPUT(drift_share >= 0.0 && drift_floor_m >= 0.0 && drift_rad_per_m >= 0.0)
       << "loops.consistency.drift_share, drift_floor_m, drift_rad_per_m: must not be negative";
   TVL_CHECK_INPUT(link_floor_m >= 0.0 && link_floor_rad >= 0.0)

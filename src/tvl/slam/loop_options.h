@@ -18,9 +18,6 @@ namespace tvl {
 struct LoopConsistencyOptions {
   // Chi-square of 6 that 0.1 % of true loops exceed.
   double max_chi2 = 22.5;
-  // Of the graph's covariance, in variance: over 200-400 m of simulated drives the squared error is
-  // up to six times what the steps' covariances add up to, since steps share their errors.
-  double graph_inflation = 4.0;
   // What no step knows of, one standard deviation: translation and rotation as shares of the linked
   // path (0.5 % is R2 of the paper), and where the path is longer than linked_path_m at least the
   // floor: with it, drift up to R2 (10 m) can be mended, whatever the odometry thinks of itself.

@@ -174,7 +174,6 @@ void VisitFields(Visitor& visit, LoopVerificationOptions& options) {
 template <typename Visitor>
 void VisitFields(Visitor& visit, LoopConsistencyOptions& options) {
   TVL_FIELD(max_chi2);
-  TVL_FIELD(graph_inflation);
   TVL_FIELD(drift_share);
   TVL_FIELD(drift_floor_m);
   TVL_FIELD(drift_rad_per_m);

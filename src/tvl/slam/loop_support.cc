@@ -10,8 +10,7 @@ double GraphChi2(const PoseConstraint& loop, const Rigid3d& T_from_to_graph,
                  const Matrix6d& graph_covariance, double linked_path_m,
                  const LoopConsistencyOptions& options) {
   const Vector6d error = (T_from_to_graph.Inverse() * loop.T_from_to).Log();
-  Matrix6d covariance = options.graph_inflation * graph_covariance;
-  covariance += loop.information.ldlt().solve(Matrix6d::Identity());
+  Matrix6d covariance = graph_covariance + loop.information.ldlt().solve(Matrix6d::Identity());
   const double floor_m =
       linked_path_m > options.linked_path_m ? options.drift_floor_m : options.link_floor_m;
   const double drift_m = std::max(floor_m, options.drift_share * linked_path_m);

@@ -291,7 +291,6 @@ void VisitFields(Visitor& visit, ScanToMapOptions& options) {
   TVL_FIELD(prior_share);
   TVL_FIELD(use_camera);
   TVL_FIELD(weakness);
-  TVL_FIELD(covariance);
   TVL_FIELD(gate_inflation);
 }
 
@@ -427,6 +426,16 @@ void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, PoseUncertaintyOptions& options) {
+  TVL_FIELD(noise_share);
+  TVL_FIELD(walk_per_m);
+  TVL_FIELD(bias_level_rad_per_m);
+  TVL_FIELD(bias_yaw_rad_per_m);
+  TVL_FIELD(bias_scale);
+  TVL_FIELD(independent_path_m);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(preprocessing);
   TVL_FIELD(clock);
@@ -437,6 +446,7 @@ void VisitFields(Visitor& visit, SlamOptions& options) {
   TVL_FIELD(health);
   TVL_FIELD(traffic);
   TVL_FIELD(extrinsics);
+  TVL_FIELD(uncertainty);
   TVL_FIELD(loops);
   TVL_FIELD(use_camera);
 }

@@ -28,6 +28,7 @@ void SlamOptions::Check() const {
   health.Check();
   traffic.Check();
   extrinsics.Check();
+  uncertainty.Check();
   loops.Check();
 }
 

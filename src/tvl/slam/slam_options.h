@@ -18,6 +18,7 @@
 #include "tvl/slam/loop_closer.h"
 #include "tvl/slam/motion_model.h"
 #include "tvl/slam/pose_search_options.h"
+#include "tvl/slam/pose_uncertainty.h"
 #include "tvl/slam/traffic_monitor.h"
 #include "tvl/vision/feature_tracker.h"
 #include "tvl/vision/image_feature_extractor.h"
@@ -63,6 +64,7 @@ struct SlamOptions {
   HealthOptions health;
   TrafficOptions traffic;
   ExtrinsicCalibrationOptions extrinsics;
+  PoseUncertaintyOptions uncertainty;
   LoopOptions loops;
   bool use_camera = true;
   void Check() const;

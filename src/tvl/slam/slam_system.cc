@@ -67,6 +67,8 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       beams_(setup.lidar.rows(), options_.mapping.beams),
       extrinsics_(setup_.calibration, options_.extrinsics),
       calibration_check_(setup_.calibration),
+      uncertainty_(options_.uncertainty),
+      known_{0, 0.0, uncertainty_},
       loop_thread_(in_background && options_.loops.enabled) {
   setup_.lidar.Check();
   map_.store = std::make_shared<KeyframeStore>(options_.mapping.store);
@@ -106,7 +108,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
 
   Stopwatch watch;
   if (found.previous_cloud) ReplaceLastCloud(*found.previous_cloud, executor);
-  Advance(found, result);
+  Advance(found, &result);
   if (IsMeasured(result.status)) {
     CalibrateBeams(found, current);
     if (options_.use_camera) {
@@ -130,7 +132,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   if (result.is_keyframe && loop_closer_ != nullptr) CloseLoops(executor);
   path_.push_back(
       {frame.id, frame.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
-  if (IsMeasured(result.status)) known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
+  if (IsMeasured(result.status)) known_ = {path_.size() - 1, path_m_, uncertainty_};
   result.T_world_lidar = InWorld(result.T_odom_lidar);
   result.times.loops_ms = watch.LapMs();
 
@@ -206,6 +208,8 @@ FrameResult SlamSystem::RepeatLastPose(FrameResult result) {
   result.status = last_status_;
   result.T_odom_lidar = path_.empty() ? Rigid3d() : path_.back().T_odom_lidar;
   result.T_world_lidar = InWorld(result.T_odom_lidar);
+  result.pose_covariance = uncertainty_.SinceFirst();
+  result.noise_covariance = uncertainty_.AgainstMap();
   path_.push_back(
       {result.id, result.stamp, static_cast<int>(map_.keyframes.size()) - 1, result.T_odom_lidar});
   if (IsMeasured(last_status_)) known_.path = path_.size() - 1;
@@ -222,13 +226,13 @@ ImageFeatures SlamSystem::DescribeImage(const SensorFrame& frame,
   return preprocessor_.Describe(frame, preprocessed, last_motion_);
 }
 
-void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
+void SlamSystem::Advance(const FoundPose& found, FrameResult* result) {
   // Across frames without data a pose continues the last one that was measured.
   const bool follows_skipped =
-      IsMeasured(result.status) && !found.bridge && known_.path + 1 < path_.size();
+      IsMeasured(result->status) && !found.bridge && known_.path + 1 < path_.size();
   if (follows_skipped) {
     path_m_ = known_.path_m;
-    keyframe_covariance_ = known_.keyframe_covariance;
+    uncertainty_ = known_.uncertainty;
   }
   Rigid3d T_odom_prev;
   if (!path_.empty()) {
@@ -236,23 +240,38 @@ void SlamSystem::Advance(const FoundPose& found, const FrameResult& result) {
   }
   const Rigid3d T_prev_cur = found.tracked.Motion(T_odom_prev);
   last_motion_ = {T_prev_cur, found.tracked.start.duration_s()};
-  const bool is_lost = result.status == FrameStatus::kLost;
+  const bool is_lost = result->status == FrameStatus::kLost;
   const int lost_scan = found.tracked.cloud.planes.points.empty() ? 0 : 1;
-  if (IsMeasured(result.status)) lost_scans_ = 0;
+  if (IsMeasured(result->status)) lost_scans_ = 0;
   if (is_lost) lost_scans_ += lost_scan;
   path_m_ += T_prev_cur.t().norm();
-  const Matrix6d adjoint = T_prev_cur.Inverse().Adjoint();
-  keyframe_covariance_ =
-      (adjoint * keyframe_covariance_ * adjoint.transpose() + result.step_covariance).eval();
-  if (follows_skipped) MoveBetween(T_odom_prev, result.T_odom_lidar);
-  if (found.bridge) LayBridge(*found.bridge, result.T_odom_lidar);
+  if (found.bridge) {
+    // Both ends were measured against one map: what lies between says nothing of their relation.
+    uncertainty_ = known_.uncertainty;
+    AddUncertainty(found, found.bridge->T_odom_known.Inverse() * result->T_odom_lidar, result);
+    LayBridge(*found.bridge, result->T_odom_lidar);
+  } else {
+    AddUncertainty(found, T_prev_cur, result);
+    if (follows_skipped) MoveBetween(T_odom_prev, result->T_odom_lidar);
+  }
+}
+
+void SlamSystem::AddUncertainty(const FoundPose& found, const Rigid3d& T_prev_cur,
+                                FrameResult* result) {
+  if (result->status == FrameStatus::kFirst) return;
+  const TrackedPose& tracked = found.tracked;
+  PoseStep step{T_prev_cur, tracked.odometry.covariance, tracked.map_step.estimate.information,
+                Matrix6d::Zero()};
+  step.beyond_covariance.block<2, 2>(3, 3) = found.beyond_covariance_m2;
+  result->step_covariance = uncertainty_.Add(step);
+  result->pose_covariance = uncertainty_.SinceFirst();
+  result->noise_covariance = uncertainty_.AgainstMap();
+  result->walk_covariance = uncertainty_.Walk();
 }
 
 void SlamSystem::LayBridge(const Bridge& bridge, const Rigid3d& T_odom_lidar) {
   MoveBetween(bridge.T_odom_known, T_odom_lidar);
   path_m_ = known_.path_m + (bridge.T_odom_known.Inverse() * T_odom_lidar).t().norm();
-  // Both ends were measured against one map: what lies between says nothing of their relation.
-  keyframe_covariance_ = known_.keyframe_covariance;
 }
 
 // Along one screw motion from the last known pose to the one of this frame.
@@ -272,8 +291,6 @@ void SlamSystem::Describe(const PreprocessedFrame& frame, const FoundPose& found
   result->tracks_with_depth = CountDepths(frame.depths);
   result->T_odom_lidar = found.tracked.T_odom_lidar;
   result->status = found.status;
-  result->step_covariance = found.tracked.step_covariance;
-  result->step_covariance.block<2, 2>(3, 3) += found.beyond_covariance_m2;
   result->odometry = found.tracked.odometry;
   result->map_step = found.tracked.map_step;
   result->map_step.planes.clear();
@@ -349,9 +366,10 @@ bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult
 
 void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   local_map_ = LocalMap(options_.mapping.local_map);
+  uncertainty_.BeginMap();
   AddKeyframe(result, {last_cloud_, {}}, executor);
   if (loop_closer_ != nullptr) CloseLoops(executor);
-  known_ = {path_.size() - 1, path_m_, keyframe_covariance_};
+  known_ = {path_.size() - 1, path_m_, uncertainty_};
   finder_.Restart();
   moving_tracks_.Forget();
   extrinsics_.Forget();
@@ -371,10 +389,10 @@ void SlamSystem::AddKeyframe(const FrameResult& result, KeyframePayload payload,
   if (!map_.keyframes.empty()) {
     const Keyframe& previous = map_.keyframes.back();
     keyframe.T_prev_cur = previous.T_odom_lidar.Inverse() * result.T_odom_lidar;
-    keyframe.covariance = keyframe_covariance_;
+    keyframe.covariance = uncertainty_.SinceKeyframe();
     keyframe.T_world_lidar = previous.T_world_lidar * keyframe.T_prev_cur;
   }
-  keyframe_covariance_.setZero();
+  uncertainty_.BeginKeyframe();
   map_.store->Put(keyframe.id.index, std::make_shared<const KeyframePayload>(std::move(payload)));
   map_.keyframes.push_back(keyframe);
   local_map_.Add(MemberOf(map_, map_.keyframes.size() - 1), executor);

@@ -21,6 +21,7 @@
 #include "tvl/slam/loop_closer.h"
 #include "tvl/slam/loop_thread.h"
 #include "tvl/slam/pose_finder.h"
+#include "tvl/slam/pose_uncertainty.h"
 #include "tvl/slam/preprocessor.h"
 #include "tvl/slam/repetition.h"
 #include "tvl/slam/slam_options.h"
@@ -43,6 +44,11 @@ struct FrameResult {
   // Of T_{k-1,k} in the body frame of k (of the whole stretch since the last frame with data, where
   // frames without any lie between), right perturbation, [rotation, translation].
   Matrix6d step_covariance = Matrix6d::Zero();
+  // Of T_odom_lidar against that of the first frame, in the same form (pose_uncertainty.h). Steps
+  // share errors: their covariances do not add up to it.
+  Matrix6d pose_covariance = Matrix6d::Zero();
+  // Its parts: of the pose against the map, and what the step adds to the map's own error.
+  Matrix6d noise_covariance = Matrix6d::Zero(), walk_covariance = Matrix6d::Zero();
   MotionEstimate odometry;   // T_ref_body = T_{k-1,k}
   ScanToMapResult map_step;  // in the odometry frame; status kFirst where it did not run
   // How well the scan lies on the map, 0 (best) to 1 (MapFit::mean), over how many points, and what
@@ -126,7 +132,9 @@ class SlamSystem {
   // The scan before this one was compensated anew: replaces it where it is a keyframe.
   void ReplaceLastCloud(KeyframeCloud cloud, const Executor& executor);
   // Path and covariance since the last keyframe; the stretch before a pose that was found again.
-  void Advance(const FoundPose& found, const FrameResult& result);
+  void Advance(const FoundPose& found, FrameResult* result);
+  // What a step adds to the uncertainty of the poses, and what of it the result says.
+  void AddUncertainty(const FoundPose& found, const Rigid3d& T_prev_cur, FrameResult* result);
   void LayBridge(const Bridge& bridge, const Rigid3d& T_odom_lidar);
   // The frames since the last known pose.
   void MoveBetween(const Rigid3d& T_odom_known, const Rigid3d& T_odom_lidar);
@@ -164,12 +172,12 @@ class SlamSystem {
   bool was_repeated_ = false;  // the last frame
   int lost_scans_ = 0;         // in a row
   double path_m_ = 0.0;
-  Matrix6d keyframe_covariance_ = Matrix6d::Zero();  // of the motion since the last keyframe
+  OdometryUncertainty uncertainty_;
   // As of the last pose that is known.
   struct Known {
     size_t path = 0;  // index
     double path_m = 0.0;
-    Matrix6d keyframe_covariance = Matrix6d::Zero();
+    OdometryUncertainty uncertainty;
   } known_;
   KeyframeCloud last_cloud_;
   std::shared_ptr<LoopCloser> loop_closer_;  // shared with the work in the thread
