@@ -73,7 +73,7 @@ void Match(const Sources& sources, const Rigid3d& T, double gate_m, const ScanTo
     for (PlaneMatch& match : laser.planes) match.beam = sources.points.plane_beam[match.source];
   }
   laser.lines = MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, noise);
-  if (options.use_camera) visual.forward = sources.landmarks.Match(sources.tracks, T);
+  if (options.use_camera) visual = sources.landmarks.Match(sources.tracks, T);
   problem->SetMatches(std::move(laser), std::move(visual), T);
 }
 

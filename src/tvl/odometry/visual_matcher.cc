@@ -54,7 +54,7 @@ class Builder {
     if (!baseline_) return;
     matches_.epipolar.push_back(
         {{now.ray_cam.homogeneous().normalized(), before.ray_cam.homogeneous().normalized()},
-         1.0 / (2.0 * sigma_ * sigma_)});
+         1.0 / (sigma_ * sigma_)});
   }
   VisualMatches Take() { return std::move(matches_); }
 
