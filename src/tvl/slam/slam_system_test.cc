@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "tvl/base/check.h"
@@ -111,6 +112,31 @@ TEST(SlamSystem, BetweenMapStepsOdometryCarriesThePose) {
   EXPECT_LT(WorstError_m(drive, outcome), 0.20);
   // The map step says something of its own.
   EXPECT_GT((T_map_m.Inverse() * T_odo_m).t().norm(), 1e-4);
+}
+
+int EstimatedScanToScan(const Outcome& outcome) {
+  return static_cast<int>(
+      std::count_if(outcome.frames.begin(), outcome.frames.end(), [](const FrameResult& frame) {
+        return frame.odometry.status == EstimateStatus::kConverged ||
+               frame.odometry.status == EstimateStatus::kNotConverged;
+      }));
+}
+
+TEST_P(SlamSystemOn, WithoutOdometryTheMapStepBeginsWithThePrediction) {
+  DriveOptions options = Options(25, false);
+  options.spin = GetParam();
+  const Drive drive(options);
+  SlamOptions without = LidarOnly();
+  without.odometry.enabled = false;
+  const Outcome outcome = Play(drive, GetParam(), without);
+  EXPECT_LT(WorstError_m(drive, outcome), 0.03);
+  for (size_t i = 1; i < outcome.frames.size(); ++i) {
+    EXPECT_EQ(outcome.frames[i].status, FrameStatus::kTracked) << "frame " << i;
+  }
+  EXPECT_EQ(EstimatedScanToScan(outcome), 1) << "only the first motion";
+  EXPECT_EQ(EstimatedScanToScan(Play(drive, GetParam(), LidarOnly())), 24);
+  without.mapping.interval = 5;  // 20 frames without a map step, and the first motion
+  EXPECT_GE(EstimatedScanToScan(Play(drive, GetParam(), without)), 19);
 }
 
 TEST(SlamSystem, AFrameWithNothingIsBridgedByPrediction) {
