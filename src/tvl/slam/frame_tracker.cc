@@ -104,8 +104,9 @@ bool FrameTracker::NeedsOdometry(const PoseHypothesis& hypothesis,
                                  const TrackingReference& reference) const {
   // Elsewhere the previous frame's pose says nothing of this one's.
   if (!hypothesis.use_odometry) return false;
-  return options_.odometry.enabled || !hypothesis.motion.known || reference.map.empty() ||
-         !reference.map_step_is_due;
+  if (options_.odometry.enabled || !hypothesis.motion.known) return true;
+  // On the map of a single scan the pose is drawn to where its rings lie on each other.
+  return reference.map.size() < 2 || !reference.map_step_is_due;
 }
 
 void FrameTracker::EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
