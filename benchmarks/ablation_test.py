@@ -136,7 +136,7 @@ def scene_of(name, figures, simulated):
 
 class Tables(unittest.TestCase):
     MADE = {"date": "2026-01-02T03:04:05", "binary": {"version": "0.1.0", "commit": "abcdef0123"},
-            "checkout": {"commit": None, "dirty": False}, "machine": {"cpu": "a processor"}}
+            "checkout": {"commit": None, "dirty": False}, "machine": {"cpu": "a processor", "load_average": [1.5, 1.0, 1.0]}}
 
     def test_a_cell_a_variant_and_scene(self):
         drive = scene_of("street", {"paper": {"t_err_pct": 0.5, "ate_m": 0.25, "cpu_ms": 30.2},
@@ -148,10 +148,11 @@ class Tables(unittest.TestCase):
         self.assertIn("| config/paper.yaml | 0.500, 0.250 |", said)
         self.assertIn("| default | -, 0.100 |", said)
         self.assertLess(said.index("| default |"), said.index("| config/paper.yaml |"))
-        self.assertIn("| default | 0.100, 14.00, -3.000 (4 not tracked) |", said)
+        self.assertIn("| default | 0.100, 14.00, -3.000 (4) |", said)
         self.assertIn("| config/paper.yaml | failed |", said)
         self.assertIn("| config/paper.yaml | 30 | failed |", said)
         self.assertIn("commit abcdef0", said)
+        self.assertIn("Load 1.5", said)
 
     def test_what_changes_nothing_is_a_dash(self):
         self.assertEqual(ablation_tables.cell(scene_of("street", {}, True), "no-landmarks",

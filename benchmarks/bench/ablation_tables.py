@@ -25,7 +25,7 @@ def cell(scene, variant, names):
         return "failed"
     values = [number(run["figures"].get(name), digits) for name, digits in names]
     lost = run["figures"]["frames"] - run["figures"]["tracked"] - 1  # the first is never tracked
-    return ", ".join(values) + (f" ({lost} not tracked)" if lost > 0 else "")
+    return ", ".join(values) + (f" ({lost})" if lost > 0 and names != TIME else "")
 
 
 def table(scenes, names):
@@ -42,7 +42,9 @@ def made_with(made):
         commit += " with changes"
     return (f"Made by `benchmarks/ablation.py` on {made['date'][:10]}: tvl {made['binary']['version']}, "
             f"commit {commit}; {made['machine']['cpu']}, one thread; `--no-loops`. In brackets: frames, but the "
-            "first, that were not `tracked`. A dash: the variant changes nothing there.")
+            "first, that were not `tracked`. A dash: the variant changes nothing there, or was not run. Load "
+            f"{made['machine']['load_average'][0]:.1f} when it began: with other work on the machine times are "
+            "upper bounds.")
 
 
 SIMULATED = (("t_err_pct", 3), ("ate_m", 3))
