@@ -182,10 +182,10 @@ def markdown(result):
     return "\n".join(lines).rstrip() + "\n"
 
 
-def replaced(document, tables):
+def replaced(document, tables, markers=(BEGIN, END)):
     """The document with the tables between its markers."""
-    before, begin, rest = document.partition(BEGIN)
-    _, end, after = rest.partition(END)
+    before, begin, rest = document.partition(markers[0])
+    _, end, after = rest.partition(markers[1])
     if not begin or not end:
-        raise ValueError(f"the document has no {BEGIN} ... {END}")
-    return f"{before}{BEGIN}\n{tables.strip()}\n{END}{after}"
+        raise ValueError(f"the document has no {markers[0]} ... {markers[1]}")
+    return f"{before}{begin}\n{tables.strip()}\n{end}{after}"

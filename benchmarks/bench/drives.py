@@ -11,7 +11,8 @@ from . import clouds, ours, poses
 
 SIM = "sim:"
 FLAGS = {"clean": "--clean"}
-VALUES = ("seed", "frames", "trajectory", "raw", "tunnel", "open", "night", "changes", "lateral")
+VALUES = ("seed", "frames", "trajectory", "raw", "tunnel", "open", "night", "changes", "lateral",
+          "beam_errors", "beam_error_shape")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,7 +46,7 @@ def simulate_arguments(uri, lidar_only):
         elif key == "camera":
             lidar_only = lidar_only or value == "0"
         elif key in VALUES:
-            arguments += [f"--{key}", value]
+            arguments += [f"--{key.replace('_', '-')}", value]
         else:
             raise ValueError(f"{uri}: '{key}' cannot be written to disk")
     return arguments + (["--no-camera"] if lidar_only else [])

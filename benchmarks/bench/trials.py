@@ -146,7 +146,7 @@ def at_middle(scans, system, trajectory):
     return se3.shifted(trajectory, 0.5 - instants_of(scans, system))
 
 
-def _map_figures(scans, trajectory):
+def map_figures(scans, trajectory):
     thick, entropy = metrics.map_quality(scans.files, trajectory, scans.correction_deg, scans.spin)
     return {"thickness_mm": 1e3 * thick.mean_m, "planar_voxels": thick.planar_voxels,
             "planar_points": thick.planar_points, "entropy": entropy.mean,
@@ -171,7 +171,7 @@ def run(trial):
                    "ms": None if ms is None else np.asarray(ms).tolist()}
             se3.write_poses(trial.out / row["trajectory"], trajectory)
             if trial.scans.judge_map:
-                row["map"] = _map_figures(
+                row["map"] = map_figures(
                     trial.scans, at_middle(trial.scans, system, trajectory))
             result["rows"][system] = row
     except Exception as error:  # whatever a system does, the others must have their turn

@@ -14,7 +14,7 @@ namespace {
 struct SimulateArguments {
   std::string out;
   sim::SimOptions options;
-  std::string raw = "none", tunnel, open, night, road = "rich";
+  std::string raw = "none", tunnel, open, night, road = "rich", beam_error_shape = "independent";
   std::optional<int> frames;
   int threads = 2;
   bool no_camera = false;
@@ -25,6 +25,7 @@ sim::SimOptions Resolve(const SimulateArguments& arguments) {
   options.raw = sim::ParseSpin(arguments.raw);
   options.has_camera = !arguments.no_camera;
   options.road = sim::ParseRoad(arguments.road);
+  options.beam_error_shape = sim::ParseBeamErrorShape(arguments.beam_error_shape);
   options.frames = arguments.frames.value_or(sim::DefaultFrames(options));
   if (!arguments.tunnel.empty())
     options.tunnel = sim::ParseFrameRange(arguments.tunnel, "--tunnel");
@@ -86,6 +87,14 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--turn", o.is_turning, "With --speed: begin in the middle of a long bend");
   command->add_option("--beams", o.beams, "Of the lidar: 16, 32 or 64 (HDL-64E)")
+      ->capture_default_str();
+  command
+      ->add_option("--beam-errors", o.beam_errors,
+                   "Constant errors of the beams, times the usual ones (0..10)")
+      ->capture_default_str();
+  command
+      ->add_option("--beam-error-shape", arguments->beam_error_shape,
+                   "Over the rings: independent or sine (one period, the same rms)")
       ->capture_default_str();
   command->add_flag("--clean", o.clean, "A lidar without errors");
   command->add_flag("--no-camera", arguments->no_camera, "Lidar only: much faster");

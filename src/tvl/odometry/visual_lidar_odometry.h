@@ -16,6 +16,9 @@
 namespace tvl {
 
 struct OdometryOptions {
+  // false: not estimated where the map step begins as well with the predicted motion, see
+  // FrameTracker.
+  bool enabled = true;
   LaserMatchOptions laser;
   VisualMatchOptions visual;
   RoadMotionOptions road;

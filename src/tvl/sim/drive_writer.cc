@@ -75,6 +75,8 @@ void WriteMeta(const SimDataset& drive, const fs::path& path) {
       {"length_m", drive.Length_m()},
       {"raw", SpinName(o.raw)},
       {"beams", o.beams},
+      {"beam_errors", o.beam_errors},
+      {"beam_error_shape", o.beam_error_shape == BeamErrorShape::kSine ? "sine" : "independent"},
       {"speed_m_s", o.speed_m_s},
       {"turn", o.is_turning},
       {"faster", o.faster},

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr uint64_t kBiasStream = 701, kNoiseStream = 1ULL << 40;
+constexpr uint64_t kBiasStream = 701, kPhaseStream = 702, kNoiseStream = 1ULL << 40;
 
 // What the car of KITTI hides, read off the real scans: ellipses over azimuth and row. The lower
 // edge of the picture is row 63; blobs whose middle lies below it are the roof's edges.
@@ -117,10 +117,10 @@ LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& opti
     : model_(model), options_(options) {
   options_.Check();
   TVL_CHECK_INPUT(model_.rows() > 0) << "lidar: a simulated lidar needs beam elevations";
-  Rng rng(options_.seed, kBiasStream);
+  Rng rng(options_.seed, kBiasStream), phase(options_.seed, kPhaseStream);
   const double scale = options_.has_errors ? 1.0 : 0.0;
-  range_bias_m_ = Biases(model_.rows(), scale * options_.beam_range_sigma_m, &rng);
-  elevation_bias_rad_ = Biases(model_.rows(), scale * options_.beam_elevation_sigma_rad, &rng);
+  range_bias_m_ = BeamErrors(scale * options_.beam_range_sigma_m, &rng, &phase);
+  elevation_bias_rad_ = BeamErrors(scale * options_.beam_elevation_sigma_rad, &rng, &phase);
   gain_ = Biases(model_.rows(), scale * options_.beam_gain_sigma, &rng);
   for (const double elevation_rad : model_.beam_elevation_rad) {
     const int row = RowOfHdl64(RadToDeg(elevation_rad));
@@ -128,6 +128,18 @@ LidarSensor::LidarSensor(const LidarModel& model, const LidarSensorOptions& opti
       hidden_.push_back(options_.has_errors && IsHiddenByCar(RadToDeg(Azimuth(i)), row));
     }
   }
+}
+
+std::vector<double> LidarSensor::BeamErrors(double sigma, Rng* independent, Rng* phase) const {
+  // Drawn in any case: what comes after is the same for every shape.
+  std::vector<double> errors = Biases(model_.rows(), sigma, independent);
+  if (options_.beam_error_shape == BeamErrorShape::kIndependent) return errors;
+  const double first_rad = 2.0 * kPi * phase->Uniform();
+  const double step_rad = 2.0 * kPi / static_cast<double>(errors.size());
+  for (size_t i = 0; i < errors.size(); ++i) {
+    errors[i] = std::sqrt(2.0) * sigma * std::sin(first_rad + step_rad * static_cast<double>(i));
+  }
+  return errors;
 }
 
 double LidarSensor::Azimuth(size_t column) const {

@@ -10,6 +10,7 @@
 #include "tvl/geometry/rigid3.h"
 #include "tvl/sensor/lidar_model.h"
 #include "tvl/sensor/lidar_scan.h"
+#include "tvl/sim/beam_error_shape.h"
 #include "tvl/sim/scene.h"
 
 namespace tvl::sim {
@@ -24,6 +25,7 @@ struct LidarSensorOptions {
   double angle_sigma_rad = 3e-4;
   double beam_range_sigma_m = 0.03;  // constant bias of each beam: residual of calibration, mean 0
   double beam_elevation_sigma_rad = 0.0014;  // 0.08 deg, the same for elevations
+  BeamErrorShape beam_error_shape = BeamErrorShape::kIndependent;  // of ranges and elevations
   double beam_gain_sigma = 0.15;  // relative brightness of a laser: real scans are striped
   double loss_share = 0.01;       // of pulses, for no reason
   double reach_m = 60.0;          // a surface of reflectivity 0.1, hit head-on, is seen to here
@@ -64,6 +66,8 @@ class LidarSensor {
   Ring CastRing(const SceneView& view, const std::vector<Firing>& firings, int row,
                 const LidarSweep& sweep) const;
   Beam BeamOf(int row) const;
+  // Range or elevation errors by row, of the shape asked for.
+  std::vector<double> BeamErrors(double sigma, Rng* independent, Rng* phase) const;
   // Adds a pulse.
   void Emit(const Beam& beam, const Firing& firing, Rng* rng, Pulses* pulses) const;
   // Adds the points of the pulses that come back.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
@@ -86,6 +87,53 @@ TEST(LidarSensorTest, ErrorsAreThoseAskedFor) {
   for (const float intensity : scan.intensity) {
     EXPECT_NEAR(intensity * 100.0F, std::round(intensity * 100.0F), 1e-3);
   }
+}
+
+// Mean error of the ranges of each row, from what lies straight ahead and behind, on flat walls.
+std::vector<double> RangeErrorsOfRows(const LidarSensorOptions& options, int rows) {
+  LidarModel model;
+  for (int i = 0; i < rows; ++i)
+    model.beam_elevation_rad.push_back(DegToRad(10.0 - 20.0 * i / rows));
+  model.sweep_s = 0.1;
+  const LidarScan scan = Take(options, Standing(), model);
+  std::vector<double> sum(static_cast<size_t>(rows)), count(static_cast<size_t>(rows));
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Vector3f& p = scan.points[i];
+    if (std::abs(p.y()) > 1.0F) continue;  // where the wall is hit head-on
+    const double true_range = 10.0 * p.norm() / std::abs(p.x());
+    sum[scan.ring[i]] += p.norm() - true_range;
+    count[scan.ring[i]] += 1.0;
+  }
+  for (size_t row = 0; row < sum.size(); ++row) sum[row] /= count[row];
+  return sum;
+}
+
+double Rms(const std::vector<double>& values) {
+  double sum_sq = 0.0;
+  for (const double value : values) sum_sq += value * value;
+  return std::sqrt(sum_sq / static_cast<double>(values.size()));
+}
+
+TEST(LidarSensorTest, BeamErrorsHaveTheShapeAskedFor) {
+  constexpr int kRows = 32;
+  LidarSensorOptions options;
+  options.range_sigma_m = 0.0, options.beam_elevation_sigma_rad = 0.0;
+  const std::vector<double> independent = RangeErrorsOfRows(options, kRows);
+  options.beam_error_shape = BeamErrorShape::kSine;
+  const std::vector<double> sine = RangeErrorsOfRows(options, kRows);
+  EXPECT_NEAR(Rms(independent), 0.03, 0.01) << "of 32 numbers";
+  EXPECT_NEAR(Rms(sine), 0.03, 1e-3);
+  const double mean = std::accumulate(sine.begin(), sine.end(), 0.0) / kRows;
+  EXPECT_NEAR(mean, 0.0, 1e-3);
+  // Neighbours of a sine of one period differ by at most 2 pi / rows of its amplitude.
+  double largest_sine = 0.0, largest_independent = 0.0;
+  for (size_t row = 1; row < sine.size(); ++row) {
+    largest_sine = std::max(largest_sine, std::abs(sine[row] - sine[row - 1]));
+    largest_independent =
+        std::max(largest_independent, std::abs(independent[row] - independent[row - 1]));
+  }
+  EXPECT_LT(largest_sine, 0.03 * std::sqrt(2.0) * 2.0 * kPi / kRows + 1e-3);
+  EXPECT_GT(largest_independent, 0.03);
 }
 
 TEST(LidarSensorTest, StoredPointsLieTooLow) {

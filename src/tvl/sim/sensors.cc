@@ -64,6 +64,9 @@ LidarSensorOptions LidarErrorsFor(const SimOptions& options) {
   LidarSensorOptions lidar;
   lidar.seed = options.seed;
   lidar.has_errors = !options.clean;
+  lidar.beam_range_sigma_m *= options.beam_errors;
+  lidar.beam_elevation_sigma_rad *= options.beam_errors;
+  lidar.beam_error_shape = options.beam_error_shape;
   if (options.beams != 64) {
     lidar.columns = 1808;  // firings of 55.3 us in 0.1 s: VLP-16, VLP-32C data sheets
     lidar.max_range_m = 100.0;

@@ -70,6 +70,8 @@ void SetOption(const std::string& key, const std::string& value, SimOptions* o) 
       {"changes", [&] { o->changes = ParseNumber<double>(value, key); }},
       {"lateral", [&] { o->lateral_m = ParseNumber<double>(value, key); }},
       {"beams", [&] { o->beams = ParseNumber<int>(value, key); }},
+      {"beam_errors", [&] { o->beam_errors = ParseNumber<double>(value, key); }},
+      {"beam_error_shape", [&] { o->beam_error_shape = ParseBeamErrorShape(value); }},
       {"speed", [&] { o->speed_m_s = ParseNumber<double>(value, key); }},
       {"faults", [&] { o->faults = value; }},
       {"road", [&] { o->road = ParseRoad(value); }},
@@ -116,6 +118,8 @@ void SimOptions::Check() const {
       << "lateral: only for loop, nightloop and lateloop on their own routes";
   TVL_CHECK_INPUT(beams == 16 || beams == 32 || beams == 64)
       << "beams: want 16, 32 or 64, is " << beams;
+  TVL_CHECK_INPUT(beam_errors >= 0.0 && beam_errors <= 10.0)
+      << "beam_errors: want 0..10, is " << beam_errors;
   CheckSpeed(*this);
   ParseFaults(faults);  // throws
   CheckRange(tunnel, "tunnel");
@@ -147,6 +151,13 @@ RoadSurface ParseRoad(const std::string& text) {
   if (text == "poor") return RoadSurface::kPoor;
   TVL_CHECK_INPUT(text == "wet") << "road: want rich, poor or wet, got '" << text << "'";
   return RoadSurface::kWet;
+}
+
+BeamErrorShape ParseBeamErrorShape(const std::string& text) {
+  if (text == "independent") return BeamErrorShape::kIndependent;
+  TVL_CHECK_INPUT(text == "sine") << "beam_error_shape: want independent or sine, got '" << text
+                                  << "'";
+  return BeamErrorShape::kSine;
 }
 
 bool IsSimUri(const std::string& text) { return text.rfind(kPrefix, 0) == 0; }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tvl/sensor/lidar_model.h"
+#include "tvl/sim/beam_error_shape.h"
 #include "tvl/sim/ground.h"
 
 namespace tvl::sim {
@@ -57,6 +58,10 @@ struct SimOptions {
   // Beams of the lidar: 64 as KITTI's HDL-64E, or 16 (+-15 deg) or 32 (-25..+15 deg). Scans of 16
   // and 32 beams come with rings and times, as with exact_rings.
   int beams = 64;
+  // Constant errors of the beams, elevation and range: this many times the usual ones, 0..10, and
+  // their shape over the rings.
+  double beam_errors = 1.0;
+  BeamErrorShape beam_error_shape = BeamErrorShape::kIndependent;
   bool clean = false;        // a sensor without errors, for tests of the ideal case
   bool has_camera = true;    // images cost most of the time
   bool exact_rings = false;  // deliver LidarScan::ring and times; a KITTI file has none
@@ -83,6 +88,9 @@ int DefaultFrames(const SimOptions& options);
 // "rich", "poor", "wet". Throws InputError.
 RoadSurface ParseRoad(const std::string& text);
 
+// "independent", "sine". Throws InputError.
+BeamErrorShape ParseBeamErrorShape(const std::string& text);
+
 // Presets whose vehicle can be given a speed.
 bool HasSpeed(const std::string& preset);
 
@@ -91,8 +99,8 @@ bool IsSimUri(const std::string& text);
 
 // sim:PRESET?seed=7&frames=1000&raw=ccw&clean=1&trajectory=FILE&tunnel=A:B&open=A:B&night=A:B
 // &changes=0.5&lateral=2&camera=0&rings=1&threads=2&beams=16&speed=15&turn=1
-// &road=wet&faster=0.4&faults=drop:30-32;renumber. Throws InputError naming an unknown key or a bad
-// value.
+// &road=wet&faster=0.4&beam_errors=3&beam_error_shape=sine&faults=drop:30-32;renumber. Throws
+// InputError naming an unknown key or a bad value.
 SimOptions ParseSimUri(const std::string& uri);
 
 // "none", "cw", "ccw". Throws InputError.

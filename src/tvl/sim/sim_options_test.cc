@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tvl/base/check.h"
+#include "tvl/sim/sensors.h"
 
 namespace tvl::sim {
 namespace {
@@ -72,6 +73,21 @@ TEST(SimUriTest, SpeedAndSensorsCanBeChosen) {
   EXPECT_THAT(ErrorOf("sim:city?speed=10&trajectory=a.txt"), HasSubstr("speed: only for city"));
   EXPECT_THAT(ErrorOf("sim:city?turn=1"), HasSubstr("turn: needs a speed"));
   EXPECT_THAT(ErrorOf("sim:city?faults=lose:3"), HasSubstr("fault 'lose:3': unknown"));
+}
+
+TEST(SimUriTest, ErrorsOfBeamsHaveASizeAndAShape) {
+  const SimOptions o = ParseSimUri("sim:city?beam_errors=3&beam_error_shape=sine");
+  EXPECT_EQ(o.beam_errors, 3.0);
+  EXPECT_EQ(o.beam_error_shape, BeamErrorShape::kSine);
+  const LidarSensorOptions usual = LidarErrorsFor(ParseSimUri("sim:city")),
+                           lidar = LidarErrorsFor(o);
+  EXPECT_EQ(usual.beam_error_shape, BeamErrorShape::kIndependent);
+  EXPECT_EQ(lidar.beam_error_shape, BeamErrorShape::kSine);
+  EXPECT_DOUBLE_EQ(lidar.beam_elevation_sigma_rad, 3.0 * usual.beam_elevation_sigma_rad);
+  EXPECT_DOUBLE_EQ(lidar.beam_range_sigma_m, 3.0 * usual.beam_range_sigma_m);
+  EXPECT_EQ(lidar.range_sigma_m, usual.range_sigma_m) << "noise stays";
+  EXPECT_THAT(ErrorOf("sim:city?beam_errors=-1"), HasSubstr("beam_errors: want 0..10"));
+  EXPECT_THAT(ErrorOf("sim:city?beam_error_shape=square"), HasSubstr("beam_error_shape: want"));
 }
 
 TEST(SimUriTest, HighwayAndTunnelHaveKeysOfTheirOwn) {

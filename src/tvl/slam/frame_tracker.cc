@@ -100,12 +100,21 @@ KeyframeCloud FrameTracker::WithoutNewClusters(const PreprocessedFrame& frame,
           WithoutLabels(tracked.cloud.planes, frame.features.less_flat, labels)};
 }
 
+bool FrameTracker::NeedsOdometry(const PoseHypothesis& hypothesis,
+                                 const TrackingReference& reference) const {
+  // Elsewhere the previous frame's pose says nothing of this one's.
+  if (!hypothesis.use_odometry) return false;
+  if (options_.odometry.enabled || !hypothesis.motion.known) return true;
+  // On the map of a single scan the pose is drawn to where its rings lie on each other.
+  return reference.map.size() < 2 || !reference.map_step_is_due;
+}
+
 void FrameTracker::EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
                                   const TrackingReference& reference, const Executor& executor,
                                   TrackedPose* tracked) {
   const MotionPrediction& motion = hypothesis.motion;
   tracked->start = motion;
-  if (!hypothesis.use_odometry) {  // the previous frame's pose says nothing of this one's
+  if (!NeedsOdometry(hypothesis, reference)) {
     tracked->odometry.status = EstimateStatus::kPredicted;
     tracked->odometry.T_ref_body = motion.T_prev_cur;
     tracked->odometry.covariance = hypothesis.covariance;

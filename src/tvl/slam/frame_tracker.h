@@ -99,6 +99,9 @@ class FrameTracker {
   bool is_compensated() const { return deskew_ == Deskew::kNone; }
 
  private:
+  // Whether the motion is estimated scan to scan before the map step; what is predicted will do
+  // where odometry is switched off, a velocity is known, and the map step follows.
+  bool NeedsOdometry(const PoseHypothesis& hypothesis, const TrackingReference& reference) const;
   void EstimateMotion(const PreprocessedFrame& frame, const PoseHypothesis& hypothesis,
                       const TrackingReference& reference, const Executor& executor,
                       TrackedPose* tracked);

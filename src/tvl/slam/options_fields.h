@@ -211,6 +211,7 @@ void VisitFields(Visitor& visit, RoadMotionOptions& options) {
 
 template <typename Visitor>
 void VisitFields(Visitor& visit, OdometryOptions& options) {
+  TVL_FIELD(enabled);
   TVL_FIELD(laser);
   TVL_FIELD(visual);
   TVL_FIELD(road);

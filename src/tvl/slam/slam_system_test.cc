@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "tvl/base/check.h"
@@ -111,6 +112,36 @@ TEST(SlamSystem, BetweenMapStepsOdometryCarriesThePose) {
   EXPECT_LT(WorstError_m(drive, outcome), 0.20);
   // The map step says something of its own.
   EXPECT_GT((T_map_m.Inverse() * T_odo_m).t().norm(), 1e-4);
+}
+
+int EstimatedScanToScan(const Outcome& outcome) {
+  return static_cast<int>(
+      std::count_if(outcome.frames.begin(), outcome.frames.end(), [](const FrameResult& frame) {
+        return frame.odometry.status == EstimateStatus::kConverged ||
+               frame.odometry.status == EstimateStatus::kNotConverged;
+      }));
+}
+
+TEST_P(SlamSystemOn, WithoutOdometryTheMapStepBeginsWithThePrediction) {
+  DriveOptions options = Options(12, false);
+  options.spin = GetParam();
+  const Drive drive(options);
+  SlamOptions without = LidarOnly();
+  without.odometry.enabled = false;
+  const Outcome outcome = Play(drive, GetParam(), without);
+  EXPECT_LT(WorstError_m(drive, outcome), 0.03);
+  EXPECT_EQ(EstimatedScanToScan(outcome), 1) << "only the first motion";
+  EXPECT_EQ(outcome.frames.back().status, FrameStatus::kTracked);
+}
+
+TEST(SlamSystem, WhereNoMapStepFollowsOdometryIsNeeded) {
+  const Drive drive(Options(11, false));
+  SlamOptions options = LidarOnly();
+  options.odometry.enabled = false;
+  options.mapping.interval = 5;
+  const Outcome outcome = Play(drive, Deskew::kNone, options);
+  EXPECT_EQ(EstimatedScanToScan(outcome), 8) << "all but the first, and the map steps 5 and 10";
+  EXPECT_LT(WorstError_m(drive, outcome), 0.20);
 }
 
 TEST(SlamSystem, AFrameWithNothingIsBridgedByPrediction) {
