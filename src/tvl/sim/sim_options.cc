@@ -74,6 +74,7 @@ void SetOption(const std::string& key, const std::string& value, SimOptions* o) 
       {"faults", [&] { o->faults = value; }},
       {"road", [&] { o->road = ParseRoad(value); }},
       {"faster", [&] { o->faster = ParseNumber<double>(value, key); }},
+      {"delay", [&] { o->camera_delay_ms = ParseNumber<double>(value, key); }},
       {"turn", [&] { o->is_turning = ParseFlag(value, key); }},
       {"tunnel", [&] { o->tunnel = ParseFrameRange(value, key); }},
       {"open", [&] { o->open = ParseFrameRange(value, key); }},
@@ -116,6 +117,8 @@ void SimOptions::Check() const {
       << "lateral: only for loop, nightloop and lateloop on their own routes";
   TVL_CHECK_INPUT(beams == 16 || beams == 32 || beams == 64)
       << "beams: want 16, 32 or 64, is " << beams;
+  TVL_CHECK_INPUT(std::abs(camera_delay_ms) <= 100.0)
+      << "delay: want -100..100 ms, is " << camera_delay_ms;
   CheckSpeed(*this);
   ParseFaults(faults);  // throws
   CheckRange(tunnel, "tunnel");

@@ -57,8 +57,11 @@ struct SimOptions {
   // Beams of the lidar: 64 as KITTI's HDL-64E, or 16 (+-15 deg) or 32 (-25..+15 deg). Scans of 16
   // and 32 beams come with rings and times, as with exact_rings.
   int beams = 64;
-  bool clean = false;        // a sensor without errors, for tests of the ideal case
-  bool has_camera = true;    // images cost most of the time
+  bool clean = false;      // a sensor without errors, for tests of the ideal case
+  bool has_camera = true;  // images cost most of the time
+  // Images show the scene this much after the instant scans are compensated to, truth is given for
+  // and stamps tell (negative: before), ms, -100..100: for tests of what finds the delay.
+  double camera_delay_ms = 0.0;
   bool exact_rings = false;  // deliver LidarScan::ring and times; a KITTI file has none
   // Faults of the recording, see tvl/sensor/faulty_dataset.h; only OpenSimulation makes them.
   std::string faults;
@@ -91,8 +94,8 @@ bool IsSimUri(const std::string& text);
 
 // sim:PRESET?seed=7&frames=1000&raw=ccw&clean=1&trajectory=FILE&tunnel=A:B&open=A:B&night=A:B
 // &changes=0.5&lateral=2&camera=0&rings=1&threads=2&beams=16&speed=15&turn=1
-// &road=wet&faster=0.4&faults=drop:30-32;renumber. Throws InputError naming an unknown key or a bad
-// value.
+// &road=wet&faster=0.4&delay=30&faults=drop:30-32;renumber. Throws InputError naming an unknown key
+// or a bad value.
 SimOptions ParseSimUri(const std::string& uri);
 
 // "none", "cw", "ccw". Throws InputError.
