@@ -42,6 +42,9 @@ class LandmarkMap {
 
   size_t size() const { return landmarks_.size(); }
 
+  // From the next call on; what is known is kept.
+  void SetCalibration(const Calibration& calibration) { calibration_ = calibration; }
+
  private:
   struct Landmark {
     Eigen::Vector3d p_world;
