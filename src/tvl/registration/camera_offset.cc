@@ -134,8 +134,10 @@ bool CameraOffset::Solve(const EdgeReading& now) {
   x[kEdgeDelay] = across.delay_s;
   const EdgeFit fit = FitEdges(placed, prior, x);
   if (!fit.has_converged) return false;
+  // Where the score has no maximum the fit's covariance means nothing: no more than was possible.
   const EdgeVector variance =
-      fit.covariance.diagonal() + JackknifeVariance(placed, stretch, prior, fit.x);
+      (fit.covariance.diagonal() + JackknifeVariance(placed, stretch, prior, fit.x))
+          .cwiseMin(prior.sigma.cwiseAbs2());
   estimate_.images = images;
   estimate_.delay_s = now.delay_s + fit.x[kEdgeDelay];
   estimate_.delay_sigma_s = std::sqrt(variance[kEdgeDelay] + std::pow(options_.bias_delay_s, 2));

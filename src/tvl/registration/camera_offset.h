@@ -61,7 +61,7 @@ class CameraOffset {
 
   // Takes the outlines of an image. True if estimate() is new.
   bool Add(const EdgeProfiles& edges, const EdgeReading& reading);
-  // With every image until now; looks for the answer anew if there are new ones.
+  // As of the last answer.
   const CameraOffsetEstimate& estimate() const { return estimate_; }
 
  private:

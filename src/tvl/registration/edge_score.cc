@@ -79,9 +79,10 @@ class FineSearch {
   FineSearch(const std::vector<PlacedEdge>& placed, const EdgePrior& prior, const EdgeVector& start)
       : placed_(placed), expected_(prior.expected), x_(start) {
     prior_ = prior.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-    double squares = 0.0;
-    for (const PlacedEdge& p : placed) squares += std::pow(p.edge->J[kEdgeDelay] * kStep_rad, 2);
-    rad_a_second_ = std::sqrt(squares / static_cast<double>(std::max<size_t>(1, placed.size())));
+    EdgeVector squares = EdgeVector::Zero();
+    for (const PlacedEdge& p : placed) squares += (kStep_rad * p.edge->J.transpose()).cwiseAbs2();
+    rad_a_unit_ = (squares / static_cast<double>(std::max<size_t>(1, placed.size()))).cwiseSqrt();
+    rad_a_unit_.head<3>().setZero();
   }
 
   bool Solve() {
@@ -91,7 +92,7 @@ class FineSearch {
       EdgeVector step = H_.ldlt().solve(b_);
       // No farther than the curvature is known.
       const double turn_rad =
-          std::max(step.head<3>().norm(), rad_a_second_ * std::abs(step[kEdgeDelay]));
+          std::max(step.head<3>().norm(), rad_a_unit_.cwiseProduct(step.cwiseAbs()).maxCoeff());
       const double limit_rad = EdgeProfile::kFine_samples * kStep_rad;
       if (turn_rad > limit_rad) step *= limit_rad / turn_rad;
       x_ += step;
@@ -141,7 +142,7 @@ class FineSearch {
   const std::vector<PlacedEdge>& placed_;
   EdgeVector expected_, x_, b_;
   EdgeMatrix prior_, H_, spread_;
-  double rad_a_second_ = 0.0;  // by which outlines move, of the time by which an image is late
+  EdgeVector rad_a_unit_;  // by which outlines move on average, of what is not the rotation
 };
 
 // Scores of rotations about an axis, with the image late by `delay_s`.

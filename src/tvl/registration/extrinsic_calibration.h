@@ -12,8 +12,9 @@
 // the direction of motion counts for as little as that deserves (ExtrinsicError in pose_problem.h):
 // poses that a wrong camera has pulled along would hide its error.
 //
-// Not found: the translation (2 cm of it change what is seen in a curve by less than the motion is
-// known to) and the delay of the images (at constant speed it is a translation).
+// Tracks do not tell the translation (2 cm of it change what is seen in a curve by less than the
+// motion is known to) nor the delay of the images (at constant speed it is a translation): outlines
+// do, see camera_offset.h.
 #pragma once
 
 #include <Eigen/Core>
