@@ -2,6 +2,7 @@
 // so.
 #include <oneapi/tbb/info.h>
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -71,6 +72,23 @@ ExtrinsicEstimate AgainstGiven(const ExtrinsicEstimate& last, const Rigid3d& T_c
   return estimate;
 }
 
+// With the camera where the drive says it sits, where that is significant. All cameras sit on one
+// frame.
+Calibration WithPlace(Calibration calibration, const CameraOffsetEstimate& offset) {
+  constexpr double kSignificance = 3.0;
+  Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double place_m = offset.translation_m[axis];
+    const double least_m = kSignificance * offset.translation_sigma_m[axis];
+    if (IsPlaceObserved(offset, axis) && std::abs(place_m) > least_m) moved_m[axis] = place_m;
+  }
+  const Rigid3d T_cam0_cam = calibration.T_cam0_lidar * calibration.T_cam_lidar.Inverse();
+  calibration.T_cam_lidar =
+      Rigid3d(Eigen::Quaterniond::Identity(), moved_m) * calibration.T_cam_lidar;
+  calibration.T_cam0_lidar = T_cam0_cam * calibration.T_cam_lidar;
+  return calibration;
+}
+
 void WriteCalibration(const std::string& input, const std::string& out,
                       const Calibration& calibration) {
   const bool is_simulated = input.rfind("sim:", 0) == 0;
@@ -117,8 +135,12 @@ void Calibrate(const CalibrateArguments& arguments) {
       << " stretches of way could be compared and outlines in " << estimate.edge_images
       << " images; it takes some ten metres of way through a scene with "
       << "upright things, in daylight";
-  WriteCalibration(arguments.input, arguments.out, result.calibration);
-  std::cout << CalibrationText(estimate, prior_rad) << "written to " << arguments.out << "\n";
+  const Calibration found = WithPlace(result.calibration, estimate.offset);
+  WriteCalibration(arguments.input, arguments.out, found);
+  const double moved_m = (found.T_cam_lidar.t() - result.calibration.T_cam_lidar.t()).norm();
+  std::cout << CalibrationText(estimate, prior_rad);
+  if (moved_m > 0.0) std::cout << "moved by " << std::setprecision(3) << moved_m << " m\n";
+  std::cout << "written to " << arguments.out << "\n";
 }
 
 }  // namespace

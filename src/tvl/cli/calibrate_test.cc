@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 
 #include "tvl/base/units.h"
 #include "tvl/cli/test_program.h"
@@ -35,6 +37,30 @@ class CalibrateProgram : public Program {
     }
     WriteOdometryCalibration(folder_ / "drive/calib.txt", kitti);
     return folder_ / "drive";
+  }
+
+  // The same in the layout of KITTI raw, in folder_.
+  std::string RawDriveWith(const KittiCalibration& kitti, const std::string& recording) {
+    const std::filesystem::path drive = folder_ / "drive_sync";
+    for (const char* part : {"velodyne_points", "image_02"}) {
+      std::filesystem::create_directories(drive / part);
+    }
+    std::filesystem::create_symlink(recording + "/velodyne", drive / "velodyne_points/data");
+    std::filesystem::create_symlink(recording + "/image_2", drive / "image_02/data");
+    std::string stamps;
+    for (int i = 0; i < 50; ++i) {
+      stamps += "2011-09-26 13:02:2" + std::to_string(i / 10) + "." + std::to_string(i % 10) + "\n";
+    }
+    folder_.Write("drive_sync/image_02/timestamps.txt", stamps);
+    const Eigen::Matrix3d R = kitti.rectification.R();
+    std::ostringstream cameras;
+    cameras << std::setprecision(12) << "R_rect_00:";
+    for (int i = 0; i < 9; ++i) cameras << " " << R(i / 3, i % 3);
+    cameras << "\nP_rect_02:";
+    for (int i = 0; i < 12; ++i) cameras << " " << (*kitti.P[2])(i / 4, i % 4);
+    folder_.Write("calib_cam_to_cam.txt", cameras.str() + "\n");
+    WriteRawExtrinsics(folder_ / "calib_velo_to_cam.txt", kitti);
+    return drive.string();
   }
 
   std::string out_, err_;
@@ -70,6 +96,24 @@ TEST_F(CalibrateProgram, FindsWhereTheCameraOfARealDrivePoints) {
   // Right within what the recording's own calibration is.
   EXPECT_LT((found.T_cam0_lidar * right.T_cam0_lidar.Inverse()).RotationAngle(), DegToRad(0.35));
   for (size_t n = 0; n < 4; ++n) EXPECT_TRUE(found.P[n]->isApprox(*right.P[n], 1e-9)) << n;
+}
+
+// The same recording in the layout of KITTI raw: the file that is written takes the place of the
+// one that was read, and leaves the rectification out.
+TEST_F(CalibrateProgram, WritesTheExtrinsicsOfARawDrive) {
+  const auto recording = TestDataPath("sequences/kitti360_3000");
+  if (!recording) GTEST_SKIP() << "TVL_TEST_DATA is not set: no real drive";
+  const KittiCalibration right = ReadOdometryCalibration(*recording + "/calib.txt");
+  KittiCalibration wrong = right;
+  wrong.rectification = Rigid3d(ExpSo3({0.01, -0.02, 0.005}), Eigen::Vector3d::Zero());
+  wrong.T_cam0_lidar =
+      Rigid3d(ExpSo3({0.0, DegToRad(0.9), 0.0}), Eigen::Vector3d::Zero()) * right.T_cam0_lidar;
+  const std::string drive = RawDriveWith(wrong, *recording), out = folder_ / "found.txt";
+  ASSERT_EQ(Run("calibrate " + drive + " --deskew cw --frames :32 --out " + out), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("deg further right than the calibration says (sigma 0.0"));
+  std::filesystem::rename(out, folder_ / "calib_velo_to_cam.txt");
+  const KittiCalibration found = ReadRawCalibration(folder_.path().string());
+  EXPECT_LT((found.T_cam0_lidar * right.T_cam0_lidar.Inverse()).RotationAngle(), DegToRad(0.35));
 }
 
 TEST_F(CalibrateProgram, RunSaysThatACalibrationIsInvertedOrMadeForOtherImages) {

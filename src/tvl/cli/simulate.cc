@@ -98,6 +98,10 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--clean", o.clean, "A lidar without errors");
   command->add_flag("--no-camera", arguments->no_camera, "Lidar only: much faster");
+  command
+      ->add_option("--camera-delay-ms", o.camera_delay_ms,
+                   "Images show the scene this much after the scans' instant, ms (-100..100)")
+      ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Frames made at a time")
       ->capture_default_str();
   command->callback([arguments] { Simulate(*arguments); });

@@ -44,6 +44,12 @@ class LandmarkMap {
 
   size_t size() const { return landmarks_.size(); }
 
+  // From the next call on; what is known is kept.
+  void SetCalibration(const Calibration& calibration) {
+    calibration_ = calibration;
+    anchors_.SetCalibration(calibration);
+  }
+
  private:
   struct Landmark {
     Eigen::Vector3d p_world;

@@ -46,6 +46,9 @@ class MovingTracks {
   // After poses that do not continue those before: all places are unknown.
   void Forget() { places_.clear(); }
 
+  // From the next call on; what is known is kept.
+  void SetCalibration(const Calibration& calibration) { calibration_ = calibration; }
+
  private:
   // Where a track was first seen with a depth, and what became of it.
   struct Place {

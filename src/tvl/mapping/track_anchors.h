@@ -34,6 +34,9 @@ class TrackAnchors {
 
   size_t size() const { return anchors_.size(); }
 
+  // From the next call on; what is known is kept.
+  void SetCalibration(const Calibration& calibration) { calibration_ = calibration; }
+
  private:
   struct Anchor {
     Rigid3d T_anchor_world;

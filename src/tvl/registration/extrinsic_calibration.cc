@@ -18,7 +18,8 @@ constexpr double kKernelSigmas = 2.0;
 constexpr double kKeptAfterCorrection = 0.3;
 // Edges and tracks that differ by more standard deviations do not look at the same: tracks count.
 constexpr double kContradictionSigmas = 4.0;
-constexpr double kMadToSigma = 1.4826;  // of a normal distribution
+constexpr double kSameDelaySigmas = 0.5;  // a delay that is known by so much better is not new
+constexpr double kMadToSigma = 1.4826;    // of a normal distribution
 
 std::vector<Epipolar> CommonRays(const std::vector<std::pair<TrackId, Eigen::Vector3d>>& from,
                                  const std::vector<std::pair<TrackId, Eigen::Vector3d>>& to) {
@@ -83,6 +84,7 @@ void ExtrinsicCalibrationOptions::Check() const {
   TVL_CHECK_INPUT(min_significance >= doubt_significance)
       << "extrinsics.min_significance: must be at least doubt_significance";
   edges.Check();
+  offset.Check();
 }
 
 ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
@@ -91,7 +93,8 @@ ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
       given_(given.T_cam_lidar),
       T_cam_lidar_(given.T_cam_lidar),
       corner_sigma_rad_(options.corner_sigma_px / given.camera.fx_px),
-      edges_(options.edges) {
+      edges_(options.edges),
+      offset_(options.offset) {
   options_.Check();
 }
 
@@ -116,8 +119,14 @@ bool ExtrinsicCalibration::WantsEdges(const Rigid3d& T_odom_lidar) {
 }
 
 bool ExtrinsicCalibration::AddEdges(EdgeProfiles edges) {
-  edges_.Add(std::move(edges), applied_rad_);
-  return Apply();
+  const EdgeReading reading{applied_rad_, applied_delay_s_};
+  const bool is_new = offset_.Add(edges, reading);
+  const CameraOffsetEstimate& offset = offset_.estimate();
+  DelayBelief belief;
+  if (IsDelayObserved(offset)) belief = {offset.delay_s, offset.delay_sigma_s};
+  edges_.Add(std::move(edges), reading, belief);
+  const bool has_changed = is_new && ApplyDelay();
+  return Apply() || has_changed;
 }
 
 const ExtrinsicCalibration::View* ExtrinsicCalibration::FindStart() const {
@@ -204,6 +213,18 @@ bool ExtrinsicCalibration::Apply() {
   return true;
 }
 
+bool ExtrinsicCalibration::ApplyDelay() {
+  const CameraOffsetEstimate& offset = offset_.estimate();
+  if (!IsDelayObserved(offset)) return false;
+  const double least_s = options_.offset.min_significance * offset.delay_sigma_s;
+  if (std::abs(offset.delay_s) < least_s) return false;
+  const double change_s = offset.delay_s - applied_delay_s_;
+  if (std::abs(change_s) < kSameDelaySigmas * offset.delay_sigma_s) return false;
+  applied_delay_s_ = offset.delay_s;
+  views_.clear();
+  return true;
+}
+
 ExtrinsicEstimate ExtrinsicCalibration::estimate() const {
   ExtrinsicEstimate estimate;
   estimate.rotation_rad = LogSo3(ExpSo3(Remaining()) * (T_cam_lidar_ * given_.Inverse()).q());
@@ -211,6 +232,8 @@ ExtrinsicEstimate ExtrinsicCalibration::estimate() const {
   estimate.sigma_rad = Covariance().diagonal().cwiseSqrt();
   estimate.windows = windows_;
   estimate.edge_images = edges_.estimate().images;
+  estimate.offset = offset_.estimate();
+  estimate.offset.applied_delay_s = applied_delay_s_;
   return estimate;
 }
 

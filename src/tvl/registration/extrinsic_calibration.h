@@ -12,8 +12,9 @@
 // the direction of motion counts for as little as that deserves (ExtrinsicError in pose_problem.h):
 // poses that a wrong camera has pulled along would hide its error.
 //
-// Not found: the translation (2 cm of it change what is seen in a curve by less than the motion is
-// known to) and the delay of the images (at constant speed it is a translation).
+// Tracks do not tell the translation (2 cm of it change what is seen in a curve by less than the
+// motion is known to) nor the delay of the images (at constant speed it is a translation): outlines
+// do, see camera_offset.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,6 +24,7 @@
 
 #include "tvl/frame/feature_tracks.h"
 #include "tvl/geometry/rigid3.h"
+#include "tvl/registration/camera_offset.h"
 #include "tvl/registration/edge_alignment.h"
 #include "tvl/sensor/calibration.h"
 
@@ -51,6 +53,7 @@ struct ExtrinsicCalibrationOptions {
   double min_significance = 3.0;  // of a correction, in standard deviations; smaller is not used
   bool use_edges = true;          // outlines in the scan against the image's
   EdgeAlignmentOptions edges;
+  CameraOffsetOptions offset;
   void Check() const;  // throws InputError naming the field
 };
 
@@ -62,6 +65,7 @@ struct ExtrinsicEstimate {
   Eigen::Vector3d applied_rad = Eigen::Vector3d::Zero();   // of it, what T_cam_lidar() holds
   int windows = 0;                                         // that were compared
   int edge_images = 0;                                     // whose outlines count
+  CameraOffsetEstimate offset;                             // in time and place
 };
 
 class ExtrinsicCalibration {
@@ -69,18 +73,20 @@ class ExtrinsicCalibration {
   // Throws InputError for unusable options.
   ExtrinsicCalibration(const Calibration& given, const ExtrinsicCalibrationOptions& options);
 
-  // Takes the tracks of one frame, without those on moving things, and its measured pose. True if
-  // T_cam_lidar() changed.
+  // Takes the tracks of one frame, without those on moving things, and the measured pose of the
+  // lidar when its image was taken. True if T_cam_lidar() or delay_s() changed.
   bool Add(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar);
   // True if AddEdges is to be called for the frame with that pose. To be asked once a frame.
   bool WantsEdges(const Rigid3d& T_odom_lidar);
-  // Takes the outlines of a frame, found with T_cam_lidar(). True if T_cam_lidar() changed.
+  // Takes the outlines of a frame, found with T_cam_lidar() and delay_s(). True if one changed.
   bool AddEdges(EdgeProfiles edges);
   // What was seen before does not continue: the pose was lost, or moved.
   void Forget() { views_.clear(); }
 
   // The extrinsics to use: as given, until a correction is significant.
   const Rigid3d& T_cam_lidar() const { return T_cam_lidar_; }
+  // How late the images are taken to be; zero until that is significant.
+  double delay_s() const { return applied_delay_s_; }
   // Zero until something contradicts them. Then what may be wrong with them: mean square error of
   // the rotation, camera axes, rad^2, with what is believed to be wrong but not yet corrected.
   Eigen::Matrix3d RemainingError() const;
@@ -101,6 +107,7 @@ class ExtrinsicCalibration {
   Eigen::Matrix3d Covariance() const;
   Eigen::Vector3d Remaining() const;
   bool Apply();
+  bool ApplyDelay();
 
   ExtrinsicCalibrationOptions options_;
   Rigid3d given_, T_cam_lidar_;
@@ -111,6 +118,8 @@ class ExtrinsicCalibration {
   Eigen::Matrix3d H_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b_ = Eigen::Vector3d::Zero();
   EdgeAlignment edges_;
+  CameraOffset offset_;
+  double applied_delay_s_ = 0.0;
   std::deque<View> views_;
   int windows_ = 0;
   bool in_doubt_ = false;

@@ -1,5 +1,6 @@
 #include "tvl/report/calibration_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -50,7 +51,45 @@ std::string CalibrationText(const ExtrinsicEstimate& estimate, double prior_rad)
   } else {
     out << "that is within what this drive can tell: the calibration is left as it is\n";
   }
-  out << "not looked for: where the camera sits, and the delay of its images\n";
+  out << DelayText(estimate.offset) << "\n";
+  for (int axis = 0; axis < 3; ++axis) out << PlaceText(estimate.offset, axis) << "\n";
+  return out.str();
+}
+
+std::string DelayText(const CameraOffsetEstimate& offset) {
+  std::ostringstream out;
+  if (offset.images == 0) return "the delay of the images: not told by this drive";
+  out << std::fixed << std::setprecision(0);
+  if (!IsDelayObserved(offset)) {
+    out << "the delay of the images: not told by this drive (sigma " << 1e3 * offset.delay_sigma_s
+        << " ms); it takes turns and changes of speed";
+    return out.str();
+  }
+  out << "the images are taken " << 1e3 * std::abs(offset.delay_s) << " +- "
+      << std::max(1.0, 1e3 * offset.delay_sigma_s) << " ms "
+      << (offset.delay_s >= 0.0 ? "after" : "before") << " the scan's instant";
+  if (offset.applied_delay_s != 0.0) out << ": allowed for";
+  return out.str();
+}
+
+std::string PlaceText(const CameraOffsetEstimate& offset, int axis) {
+  // Points that lie farther right than given are seen by a camera farther left.
+  struct Side {
+    const char *name, *positive, *negative;
+  };
+  constexpr Side kSides[] = {{"across", "further left", "further right"},
+                             {"up and down", "higher", "lower"},
+                             {"along the way", "further back", "further ahead"}};
+  const Side& side = kSides[axis];
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(3) << "where the camera sits " << side.name << ": ";
+  if (!IsPlaceObserved(offset, axis)) {
+    out << "not told by this drive (sigma " << offset.translation_sigma_m[axis] << " m)";
+    return out.str();
+  }
+  const double place_m = offset.translation_m[axis];
+  out << std::abs(place_m) << " +- " << offset.translation_sigma_m[axis] << " m "
+      << (place_m > 0.0 ? side.positive : side.negative) << " than the calibration says";
   return out.str();
 }
 

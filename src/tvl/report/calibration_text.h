@@ -14,4 +14,9 @@ bool IsObserved(const ExtrinsicEstimate& estimate, int axis, double prior_rad);
 // For `tvl calibrate`, a line an axis: what was wrong by how much, what could not be told.
 std::string CalibrationText(const ExtrinsicEstimate& estimate, double prior_rad);
 
+// One line without its end: "the images are taken 31 +- 4 ms after the scan's instant".
+std::string DelayText(const CameraOffsetEstimate& offset);
+// Of one camera axis: "where the camera sits across: 0.050 +- 0.010 m further left than ...".
+std::string PlaceText(const CameraOffsetEstimate& offset, int axis);
+
 }  // namespace tvl

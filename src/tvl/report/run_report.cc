@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tvl/base/units.h"
+#include "tvl/report/calibration_text.h"
 #include "tvl/report/loop_report.h"
 
 namespace tvl {
@@ -193,12 +194,25 @@ json AnglesDeg(const Eigen::Vector3d& angles_rad) {
   return {RadToDeg(angles_rad.x()), RadToDeg(angles_rad.y()), RadToDeg(angles_rad.z())};
 }
 
+// In milliseconds and metres.
+json OffsetReport(const CameraOffsetEstimate& offset) {
+  const auto vector = [](const Eigen::Vector3d& v) { return json{v.x(), v.y(), v.z()}; };
+  return {{"images", offset.images},
+          {"delay_ms", 1e3 * offset.delay_s},
+          {"delay_sigma_ms", 1e3 * offset.delay_sigma_s},
+          {"applied_delay_ms", 1e3 * offset.applied_delay_s},
+          {"translation_m", vector(offset.translation_m)},
+          {"translation_sigma_m", vector(offset.translation_sigma_m)},
+          {"words", DelayText(offset)}};
+}
+
 json ExtrinsicsReport(const ExtrinsicEstimate& estimate) {
   return {{"rotation_deg", AnglesDeg(estimate.rotation_rad)},
           {"sigma_deg", AnglesDeg(estimate.sigma_rad)},
           {"applied_deg", AnglesDeg(estimate.applied_rad)},
           {"windows", estimate.windows},
-          {"edge_images", estimate.edge_images}};
+          {"edge_images", estimate.edge_images},
+          {"offset", OffsetReport(estimate.offset)}};
 }
 
 // YAML's scalars are text: numbers and booleans get their type back.
@@ -256,8 +270,14 @@ std::string ExtrinsicsText(const ExtrinsicEstimate& estimate) {
   };
   constexpr Turn kTurns[] = {{"lower", "higher"}, {"further left", "further right"}, {"", ""}};
   constexpr double kNotable_deg = 1.0;
-  if (estimate.applied_rad.isZero(0.0)) return "";
+  constexpr double kLargeDelay_s = 0.015;  // 0.2 m at 50 km/h
   std::ostringstream out;
+  const CameraOffsetEstimate& offset = estimate.offset;
+  if (IsDelayObserved(offset) && offset.applied_delay_s != 0.0) out << DelayText(offset) << "\n";
+  if (IsDelayObserved(offset) && std::abs(offset.delay_s) > kLargeDelay_s) {
+    out << "warning: that is a long time for a camera: check which instant its stamps mean\n";
+  }
+  if (estimate.applied_rad.isZero(0.0)) return out.str();
   out << std::fixed << std::setprecision(2) << "the camera points";
   for (int i = 0; i < 2; ++i) {
     const double angle_deg = RadToDeg(estimate.rotation_rad[i]);

@@ -14,4 +14,13 @@ struct Calibration {
   Eigen::Matrix3d rotation_covariance = Eigen::Matrix3d::Zero();
 };
 
+// As seen from a frame's pose by an image that was taken `delay_s` after it, while the vehicle
+// moves at `velocity_lidar`: rotation (rad/s) and translation (m/s), lidar axes. Camera 0 stays:
+// poses are those of the frame.
+inline Calibration Delayed(Calibration calibration, double delay_s,
+                           const Vector6d& velocity_lidar) {
+  calibration.T_cam_lidar = calibration.T_cam_lidar * Rigid3d::Exp(-delay_s * velocity_lidar);
+  return calibration;
+}
+
 }  // namespace tvl

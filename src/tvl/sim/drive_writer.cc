@@ -82,6 +82,7 @@ void WriteMeta(const SimDataset& drive, const fs::path& path) {
       {"faster", o.faster},
       {"clean", o.clean},
       {"camera", o.has_camera},
+      {"camera_delay_ms", o.camera_delay_ms},
       {"changes", o.changes},
       {"lateral_m", o.lateral_m},
       {"tunnel_frames", RangeText(o.tunnel)},

@@ -91,8 +91,9 @@ SensorFrame SimDataset::Frame(size_t index) const {
 
   if (options_.has_camera) {
     CameraShot shot;
-    shot.T_world_cam = Truth_T_world_lidar(index) * setup_.calibration.T_cam_lidar.Inverse();
-    shot.time_s = stamp_s;
+    shot.time_s = stamp_s + 1e-3 * options_.camera_delay_ms;
+    shot.T_world_cam =
+        drive_.T_world_lidar.At(shot.time_s) * setup_.calibration.T_cam_lidar.Inverse();
     shot.frame = index;
     shot.night = drive_.night.Contains(static_cast<int>(index));
     frame.image = sensors_->camera.Render(shot, sensors_->executor);

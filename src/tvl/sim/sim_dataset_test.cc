@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 #include "tvl/base/check.h"
 #include "tvl/geometry/point_index.h"
@@ -191,6 +192,19 @@ TEST(SimDatasetTest, OpenCountryHasFewFeatures) {
     return count;
   };
   EXPECT_LT(high(open), high(city) / 8);
+}
+
+// One frame is 100 ms: an image that is late by that is the next one's, but for its noise; the scan
+// stays.
+TEST(SimDatasetTest, ImagesCanBeLate) {
+  const SimDataset usual(ParseSimUri("sim:city?seed=5&frames=12&speed=10"));
+  const SimDataset late(ParseSimUri("sim:city?seed=5&frames=12&speed=10&delay=100"));
+  const SensorFrame frame = late.Frame(8);
+  const auto difference = [&](const cv::Mat& image) {
+    return cv::norm(frame.image, image, cv::NORM_L1) / static_cast<double>(image.total());
+  };
+  EXPECT_LT(difference(usual.Frame(9).image), 0.5 * difference(usual.Frame(8).image));
+  EXPECT_EQ(frame.scan->points, usual.Frame(8).scan->points);
 }
 
 TEST(SimDatasetTest, WrittenDriveReadsBackTheSame) {

@@ -76,6 +76,7 @@ void SetOption(const std::string& key, const std::string& value, SimOptions* o) 
       {"faults", [&] { o->faults = value; }},
       {"road", [&] { o->road = ParseRoad(value); }},
       {"faster", [&] { o->faster = ParseNumber<double>(value, key); }},
+      {"delay", [&] { o->camera_delay_ms = ParseNumber<double>(value, key); }},
       {"turn", [&] { o->is_turning = ParseFlag(value, key); }},
       {"tunnel", [&] { o->tunnel = ParseFrameRange(value, key); }},
       {"open", [&] { o->open = ParseFrameRange(value, key); }},
@@ -120,6 +121,8 @@ void SimOptions::Check() const {
       << "beams: want 16, 32 or 64, is " << beams;
   TVL_CHECK_INPUT(beam_errors >= 0.0 && beam_errors <= 10.0)
       << "beam_errors: want 0..10, is " << beam_errors;
+  TVL_CHECK_INPUT(std::abs(camera_delay_ms) <= 100.0)
+      << "delay: want -100..100 ms, is " << camera_delay_ms;
   CheckSpeed(*this);
   ParseFaults(faults);  // throws
   CheckRange(tunnel, "tunnel");

@@ -62,8 +62,11 @@ struct SimOptions {
   // their shape over the rings.
   double beam_errors = 1.0;
   BeamErrorShape beam_error_shape = BeamErrorShape::kIndependent;
-  bool clean = false;        // a sensor without errors, for tests of the ideal case
-  bool has_camera = true;    // images cost most of the time
+  bool clean = false;      // a sensor without errors, for tests of the ideal case
+  bool has_camera = true;  // images cost most of the time
+  // Images show the scene this much after the instant scans are compensated to, truth is given for
+  // and stamps tell (negative: before), ms, -100..100: for tests of what finds the delay.
+  double camera_delay_ms = 0.0;
   bool exact_rings = false;  // deliver LidarScan::ring and times; a KITTI file has none
   // Faults of the recording, see tvl/sensor/faulty_dataset.h; only OpenSimulation makes them.
   std::string faults;
@@ -99,8 +102,8 @@ bool IsSimUri(const std::string& text);
 
 // sim:PRESET?seed=7&frames=1000&raw=ccw&clean=1&trajectory=FILE&tunnel=A:B&open=A:B&night=A:B
 // &changes=0.5&lateral=2&camera=0&rings=1&threads=2&beams=16&speed=15&turn=1
-// &road=wet&faster=0.4&beam_errors=3&beam_error_shape=sine&faults=drop:30-32;renumber. Throws
-// InputError naming an unknown key or a bad value.
+// &road=wet&faster=0.4&delay=30&beam_errors=3&beam_error_shape=sine&faults=drop:30-32;renumber.
+// Throws InputError naming an unknown key or a bad value.
 SimOptions ParseSimUri(const std::string& uri);
 
 // "none", "cw", "ccw". Throws InputError.

@@ -103,6 +103,12 @@ TEST(SimUriTest, HighwayAndTunnelHaveKeysOfTheirOwn) {
   EXPECT_THAT(ErrorOf("sim:jam?tunnel=5:9"), HasSubstr("not for jam"));
 }
 
+TEST(SimUriTest, ImagesCanBeLate) {
+  EXPECT_EQ(ParseSimUri("sim:city?delay=-20.5").camera_delay_ms, -20.5);
+  EXPECT_EQ(ParseSimUri("sim:city").camera_delay_ms, 0.0);
+  EXPECT_THAT(ErrorOf("sim:city?delay=200"), HasSubstr("delay: want -100..100 ms"));
+}
+
 TEST(SimUriTest, NamesWhatIsWrong) {
   EXPECT_THAT(ErrorOf("sim:city?sed=7"), HasSubstr("unknown key 'sed'"));
   EXPECT_THAT(ErrorOf("sim:village"), HasSubstr("preset: unknown 'village'"));

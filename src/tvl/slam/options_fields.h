@@ -418,6 +418,21 @@ void VisitFields(Visitor& visit, EdgeAlignmentOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, CameraOffsetOptions& options) {
+  TVL_FIELD(enabled);
+  TVL_FIELD(max_images);
+  TVL_FIELD(max_edges);
+  TVL_FIELD(every_images);
+  TVL_FIELD(max_delay_s);
+  TVL_FIELD(prior_delay_s);
+  TVL_FIELD(prior_place_m);
+  TVL_FIELD(bias_delay_s);
+  TVL_FIELD(bias_place_m);
+  TVL_FIELD(bias_up_m);
+  TVL_FIELD(min_significance);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(enabled);
   TVL_FIELD(window_m);
@@ -433,6 +448,7 @@ void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(min_significance);
   TVL_FIELD(use_edges);
   TVL_FIELD(edges);
+  TVL_FIELD(offset);
 }
 
 template <typename Visitor>

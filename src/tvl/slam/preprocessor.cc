@@ -120,7 +120,8 @@ EdgeProfiles Preprocessor::FindEdges(const PreprocessedFrame& preprocessed,
                                      const PredictedMotion& motion, int max_edges) const {
   if (!preprocessed.has_scan || !preprocessed.has_image) return {};
   return FindEdgeProfiles(tracker_.grey(), preprocessed.scan, PointsAtStamp(preprocessed, motion),
-                          setup_.calibration.camera, setup_.calibration.T_cam_lidar, max_edges);
+                          setup_.calibration.camera, setup_.calibration.T_cam_lidar,
+                          motion.Velocity_lidar(), max_edges);
 }
 
 VisualDepths Preprocessor::FindDepths(const FeatureTracks& tracks, const PreprocessedFrame& frame,

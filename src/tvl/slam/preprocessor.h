@@ -16,6 +16,8 @@ namespace tvl {
 struct PredictedMotion {
   Rigid3d T_prev_cur;
   double period_s = 0.1;  // between the two stamps
+
+  Vector6d Velocity_lidar() const { return T_prev_cur.Log() / period_s; }
 };
 
 class Preprocessor {

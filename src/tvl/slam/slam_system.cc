@@ -95,6 +95,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   }
 
   const MotionPrediction predicted = finder_.Predict(context.interval);
+  UseDelay({predicted.T_prev_cur, predicted.duration_s()});
   PreprocessedFrame current =
       preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
                             executor, &result.times, &result.faults);
@@ -112,6 +113,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   if (IsMeasured(result.status)) {
     CalibrateBeams(found, current);
     if (options_.use_camera) {
+      UseDelay(last_motion_);
       if (found.bridge) {
         moving_tracks_.Forget();
         extrinsics_.Forget();
@@ -331,7 +333,9 @@ void SlamSystem::CalibrateExtrinsics(const PreprocessedFrame& frame,
     result->faults.push_back(
         {FrameFault::Kind::kOddCalibration, "frame " + std::to_string(frame.id) + ": " + odd});
   }
-  bool has_changed = extrinsics_.Add(frame.tracks, T_odom_lidar);
+  const Rigid3d T_image =
+      Rigid3d::Exp(extrinsics_.delay_s() * last_motion_.Velocity_lidar());  // since the scan
+  bool has_changed = extrinsics_.Add(frame.tracks, T_odom_lidar * T_image);
   // Read with the extrinsics in use: not in the frame in which they change.
   if (!has_changed && frame.has_image && frame.has_scan && extrinsics_.WantsEdges(T_odom_lidar)) {
     has_changed = extrinsics_.AddEdges(
@@ -354,6 +358,16 @@ void SlamSystem::UseExtrinsics() {
   setup_.calibration.rotation_covariance = extrinsics_.RemainingError();
   preprocessor_.SetCalibration(setup_.calibration);
   finder_.SetCalibration(setup_.calibration);
+}
+
+void SlamSystem::UseDelay(const PredictedMotion& motion) {
+  if (extrinsics_.delay_s() == 0.0) return;
+  const Calibration delayed =
+      Delayed(setup_.calibration, extrinsics_.delay_s(), motion.Velocity_lidar());
+  preprocessor_.SetCalibration(delayed);
+  finder_.SetCalibration(delayed);
+  landmarks_.SetCalibration(delayed);
+  moving_tracks_.SetCalibration(delayed);
 }
 
 bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult& result) const {

@@ -129,6 +129,8 @@ class SlamSystem {
                            FrameResult* result);
   // As far as they are known by now, from the next frame on.
   void UseExtrinsics();
+  // Of an image that is late, in a frame with that motion.
+  void UseDelay(const PredictedMotion& motion);
   // The scan before this one was compensated anew: replaces it where it is a keyframe.
   void ReplaceLastCloud(KeyframeCloud cloud, const Executor& executor);
   // Path and covariance since the last keyframe; the stretch before a pose that was found again.
