@@ -92,6 +92,34 @@ TEST_P(Factors, Epipolar) {
             1e-5);
 }
 
+// Noise in both rays must not draw the baseline towards where there is more to see: at the truth
+// the gradient of the squares has mean zero.
+TEST(EpipolarNoise, DoesNotDrawTheBaselineTowardsTheCrowdedSide) {
+  Rng rng(11);
+  const Rigid3d T_cam_body = CameraMount();
+  const Rigid3d T_ref_body = Rigid3d::Translation(5.0, 0.0, 0.0);
+  const Matrix6d adjoint = T_cam_body.Adjoint();
+  constexpr double kNoise_rad = 2e-3;
+  constexpr int kTrials = 200000;
+  Vector6d sum = Vector6d::Zero(), sum_sq = Vector6d::Zero();
+  for (int i = 0; i < kTrials; ++i) {
+    // All things stand to the right.
+    const Eigen::Vector3d p_ref(30.0, -3.0 - 2.0 * rng.Uniform(0.0, 1.0), rng.Uniform(-1.0, 1.0));
+    const Eigen::Vector3d a = (T_cam_body * (T_ref_body.Inverse() * p_ref)).normalized();
+    const Eigen::Vector3d b = (T_cam_body * p_ref).normalized();
+    const Epipolar f{(a + RandomVector(rng, kNoise_rad)).normalized(),
+                     (b + RandomVector(rng, kNoise_rad)).normalized()};
+    const Residual<1> residual = Evaluate(f, T_ref_body, T_cam_body, adjoint);
+    const Vector6d gradient = residual.J.transpose() * residual.r;
+    sum += gradient;
+    sum_sq += gradient.cwiseAbs2();
+  }
+  for (int axis = 0; axis < 6; ++axis) {
+    const double sigma = std::sqrt(sum_sq[axis] / kTrials / kTrials);
+    EXPECT_LT(std::abs(sum[axis] / kTrials), 4.0 * sigma + 1e-9) << "axis " << axis;
+  }
+}
+
 TEST_P(Factors, PosePrior) {
   const Rigid3d T_prior = RandomMotion(rng_);
   const auto r = [&](const Rigid3d& T) { return EvaluatePosePrior(T_prior, T).r; };

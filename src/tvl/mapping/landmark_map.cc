@@ -13,11 +13,10 @@ void LandmarkOptions::Check() const {
   TVL_CHECK_INPUT(max_relative_sigma > 0.0) << "landmark.max_relative_sigma: must be positive";
   TVL_CHECK_INPUT(gate_chi2 > 0.0) << "landmark.gate_chi2: must be positive";
   TVL_CHECK_INPUT(max_rejections >= 0) << "landmark.max_rejections: must not be negative";
-  anchors.Check();
 }
 
 LandmarkMap::LandmarkMap(const Calibration& calibration, const LandmarkOptions& options)
-    : calibration_(calibration), options_(options), anchors_(calibration, options.anchors) {
+    : calibration_(calibration), options_(options) {
   options_.Check();
 }
 
@@ -39,14 +38,13 @@ ReprojectionMatch LandmarkMap::MakeMatch(const Landmark& landmark, const Feature
   return match;
 }
 
-VisualMatches LandmarkMap::Match(const FeatureTracks& tracks, const Rigid3d& T_world_guess) const {
-  VisualMatches matches;
+std::vector<ReprojectionMatch> LandmarkMap::Match(const FeatureTracks& tracks,
+                                                  const Rigid3d& T_world_guess) const {
+  std::vector<ReprojectionMatch> matches;
   for (size_t i = 0; i < tracks.tracks.size(); ++i) {
     const auto found = landmarks_.find(tracks.tracks[i].id);
     if (found == landmarks_.end()) continue;
-    matches.forward.push_back(MakeMatch(found->second, tracks.tracks[i], i, T_world_guess));
-    const std::optional<EpipolarMatch> anchored = anchors_.Match(tracks.tracks[i], T_world_guess);
-    if (anchored) matches.epipolar.push_back(*anchored);
+    matches.push_back(MakeMatch(found->second, tracks.tracks[i], i, T_world_guess));
   }
   return matches;
 }
@@ -95,7 +93,6 @@ void LandmarkMap::Update(const FeatureTracks& tracks, const VisualDepths& depths
     kept[track.id] = landmark;
   }
   landmarks_ = std::move(kept);
-  anchors_.Update(tracks, T_world_lidar);
 }
 
 }  // namespace tvl

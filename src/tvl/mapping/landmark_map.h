@@ -7,7 +7,6 @@
 
 #include "tvl/frame/feature_tracks.h"
 #include "tvl/frame/visual_depth.h"
-#include "tvl/mapping/track_anchors.h"
 #include "tvl/registration/visual_terms.h"
 #include "tvl/sensor/calibration.h"
 
@@ -20,7 +19,6 @@ struct LandmarkOptions {
   double reanchor_share = 0.6;      // a new depth replaces the old point if its sigma is this share
   double gate_chi2 = 16.0;          // 4 sigma: beyond, the observation is not believed
   int max_rejections = 2;           // in a row: then the landmark moves, or never was a point
-  TrackAnchorOptions anchors;
   void Check() const;
 };
 
@@ -29,9 +27,9 @@ class LandmarkMap {
   LandmarkMap(const Calibration& calibration, const LandmarkOptions& options);
 
   // Matches of the current tracks with landmarks, for T_world_lidar as the unknown; the guess only
-  // weighs them. `source` is the index of the track. And where these tracks were first seen from:
-  // of tracks without a landmark nobody knows whether they lie on something that moves.
-  VisualMatches Match(const FeatureTracks& tracks, const Rigid3d& T_world_guess) const;
+  // weighs them. `source` is the index of the track.
+  std::vector<ReprojectionMatch> Match(const FeatureTracks& tracks,
+                                       const Rigid3d& T_world_guess) const;
 
   // From where the tracks' landmarks were placed, on average: a lidar position, world, m. Where
   // none is known: `otherwise_m`.
@@ -45,10 +43,7 @@ class LandmarkMap {
   size_t size() const { return landmarks_.size(); }
 
   // From the next call on; what is known is kept.
-  void SetCalibration(const Calibration& calibration) {
-    calibration_ = calibration;
-    anchors_.SetCalibration(calibration);
-  }
+  void SetCalibration(const Calibration& calibration) { calibration_ = calibration; }
 
  private:
   struct Landmark {
@@ -67,7 +62,6 @@ class LandmarkMap {
   Calibration calibration_;
   LandmarkOptions options_;
   std::map<TrackId, Landmark> landmarks_;
-  TrackAnchors anchors_;
 };
 
 }  // namespace tvl

@@ -55,7 +55,8 @@ PoseProblemSetup SetupOf(const Sources& sources, const Calibration& calibration,
   setup.visual_kernel_sigmas = options.visual_kernel_sigmas;
   setup.visual_gate_sigmas = options.visual_gate_sigmas;
   setup.weakness = options.weakness;
-  setup.covariance = CovarianceOptions::AsClaimed();
+  setup.covariance = options.covariance;
+  setup.gate_covariance = options.covariance;
   setup.gate_covariance.inflation = options.gate_inflation;
   setup.step_m = prior.step_m;
   return setup;
@@ -73,7 +74,7 @@ void Match(const Sources& sources, const Rigid3d& T, double gate_m, const ScanTo
     for (PlaneMatch& match : laser.planes) match.beam = sources.points.plane_beam[match.source];
   }
   laser.lines = MatchLines(sources.points.edges, sources.map.lines(), T, gate_m, noise);
-  if (options.use_camera) visual = sources.landmarks.Match(sources.tracks, T);
+  if (options.use_camera) visual.forward = sources.landmarks.Match(sources.tracks, T);
   problem->SetMatches(std::move(laser), std::move(visual), T);
 }
 
@@ -121,6 +122,7 @@ void ScanToMapOptions::Check() const {
       << "mapping.prior_share: must be in 0..1";
   TVL_CHECK_INPUT(gate_inflation >= 1.0) << "mapping.gate_inflation: must be at least 1";
   weakness.Check();
+  covariance.Check();
 }
 
 MapStepPoints ThinForMapStep(const std::vector<Eigen::Vector3f>& planes,

@@ -11,6 +11,13 @@
 
 namespace tvl {
 
+// Against a map of many scans most of what residuals share averages out.
+inline CovarianceOptions ForMapStep() {
+  CovarianceOptions options;
+  options.inflation = 1.5;
+  return options;
+}
+
 struct ScanToMapOptions {
   // Thinning of F_lf before matching. Even coverage keeps the far road in proportion: where the
   // near one crowds it out, errors of single beams tilt the pose (measured: 0.5 m drifts 1.2 x as
@@ -35,6 +42,9 @@ struct ScanToMapOptions {
   double prior_share = 0.25;
   bool use_camera = true;
   WeaknessOptions weakness;
+  // Of the pose given the one before, for what is predicted and judged next. What poses tell of
+  // each other over time is slam/pose_uncertainty.h.
+  CovarianceOptions covariance = ForMapStep();
   // How much wider the pose may be off when landmarks are judged by it: what one scan's residuals
   // share (beams, normals, a moving lorry) is not in their scatter.
   double gate_inflation = 30.0;

@@ -14,8 +14,6 @@ struct CovarianceOptions {
   double floor_rotation_rad_per_m = 5.2e-5;  // 0.003 deg / m
   // What remains of a step of zero length.
   double floor_translation_m = 5e-4, floor_rotation_rad = 2e-5;
-  // The inverse Hessian as it is.
-  static CovarianceOptions AsClaimed() { return {1.0, 0.0, 0.0, 0.0, 0.0}; }
   void Check() const;
 };
 

@@ -64,7 +64,7 @@ VisualMatches Gate(const VisualMatches& matches, const Rigid3d& T_ref_body,
   kept.inverse = GateProjections(matches.inverse, T_ref_body, T_cam_body, covariance, max_chi2);
   const Matrix6d Ad_cam_body = T_cam_body.Adjoint();
   for (const EpipolarMatch& match : matches.epipolar) {
-    const Residual<1> residual = Evaluate(match.factor, match.T_seen_ref * T_ref_body, T_cam_body, Ad_cam_body);
+    const Residual<1> residual = Evaluate(match.factor, T_ref_body, T_cam_body, Ad_cam_body);
     const Eigen::Matrix<double, 1, 1> information(match.information);
     if (Innovation<1>(residual, information, covariance) < max_chi2) kept.epipolar.push_back(match);
   }
@@ -78,7 +78,7 @@ VisualSum Linearize(const VisualMatches& matches, const Rigid3d& T_ref_body,
   AddProjections(matches.inverse, T_ref_body, T_cam_body, kernel_sigmas, &sum);
   const Matrix6d Ad_cam_body = T_cam_body.Adjoint();
   for (const EpipolarMatch& match : matches.epipolar) {
-    const Residual<1> residual = Evaluate(match.factor, match.T_seen_ref * T_ref_body, T_cam_body, Ad_cam_body);
+    const Residual<1> residual = Evaluate(match.factor, T_ref_body, T_cam_body, Ad_cam_body);
     Accumulate<1>(residual, Eigen::Matrix<double, 1, 1>(match.information), kernel_sigmas,
                   &sum.normal);
   }
@@ -89,12 +89,6 @@ double Chi2(const ReprojectionMatch& match, const Rigid3d& T_ref_body, const Rig
   const ProjectedResidual residual = Evaluate(match.factor, T_ref_body, T_cam_body);
   if (residual.depth_m < kMinProjectionDepth_m) return std::numeric_limits<double>::infinity();
   return residual.r.dot(match.information * residual.r);
-}
-
-double Chi2(const EpipolarMatch& match, const Rigid3d& T_ref_body, const Rigid3d& T_cam_body) {
-  const Residual<1> residual =
-      Evaluate(match.factor, match.T_seen_ref * T_ref_body, T_cam_body, T_cam_body.Adjoint());
-  return residual.r[0] * residual.r[0] * match.information;
 }
 
 Eigen::Matrix2d RayInformation(double sigma, const Eigen::Matrix<double, 2, 3>& J,

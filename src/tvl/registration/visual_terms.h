@@ -24,8 +24,6 @@ struct InverseReprojectionMatch {
 struct EpipolarMatch {
   Epipolar factor;
   double information;  // 1 / rad^2
-  // From the frame of T_ref_body to where the reference's ray was seen.
-  Rigid3d T_seen_ref = Rigid3d();
 };
 
 struct VisualMatches {
@@ -55,7 +53,6 @@ VisualMatches Gate(const VisualMatches& matches, const Rigid3d& T_ref_body,
 
 // Whitened squared residual of one match at T; infinite behind the camera. For gating.
 double Chi2(const ReprojectionMatch& match, const Rigid3d& T_ref_body, const Rigid3d& T_cam_body);
-double Chi2(const EpipolarMatch& match, const Rigid3d& T_ref_body, const Rigid3d& T_cam_body);
 
 // Information of an observed ray with pixel noise sigma (normalised plane) of a point with
 // covariance `covariance_m2` in the frame that `J` (d projection / d point, 2x3) refers to.

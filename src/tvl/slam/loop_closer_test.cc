@@ -133,8 +133,7 @@ TEST(LoopOptions, NameTheBadField) {
     options.Check();
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("loops.consistency.max_chi2"),
-              std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("loops.consistency.max_chi2"), std::string::npos);
   }
 }
 

@@ -264,14 +264,6 @@ void VisitFields(Visitor& visit, LocalMapOptions& options) {
 }
 
 template <typename Visitor>
-void VisitFields(Visitor& visit, TrackAnchorOptions& options) {
-  TVL_FIELD(sigma_px);
-  TVL_FIELD(drift_px);
-  TVL_FIELD(min_baseline_m);
-  TVL_FIELD(gate_chi2);
-}
-
-template <typename Visitor>
 void VisitFields(Visitor& visit, LandmarkOptions& options) {
   TVL_FIELD(sigma_px);
   TVL_FIELD(drift_px);
@@ -279,7 +271,6 @@ void VisitFields(Visitor& visit, LandmarkOptions& options) {
   TVL_FIELD(reanchor_share);
   TVL_FIELD(gate_chi2);
   TVL_FIELD(max_rejections);
-  TVL_FIELD(anchors);
 }
 
 template <typename Visitor>
@@ -301,6 +292,7 @@ void VisitFields(Visitor& visit, ScanToMapOptions& options) {
   TVL_FIELD(prior_share);
   TVL_FIELD(use_camera);
   TVL_FIELD(weakness);
+  TVL_FIELD(covariance);
   TVL_FIELD(gate_inflation);
 }
 

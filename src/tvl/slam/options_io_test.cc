@@ -129,9 +129,9 @@ TEST(OptionsIo, OverridesDottedKeys) {
   EXPECT_EQ(FromYaml("mapping.interval: 5").slam.mapping.interval, 5);
   const RunOptions mixed = FromYaml(
       "mapping:\n"
-      "  scan_to_map.covariance.inflation: 7\n"
+      "  scan_to_map.weakness.held_rotation: 7\n"
       "mapping.keyframes: {min_translation_m: 2.5}\n");
-  EXPECT_EQ(mixed.slam.mapping.scan_to_map.covariance.inflation, 7.0);
+  EXPECT_EQ(mixed.slam.mapping.scan_to_map.weakness.held_rotation, 7.0);
   EXPECT_EQ(mixed.slam.mapping.keyframes.min_translation_m, 2.5);
 }
 
@@ -149,11 +149,10 @@ TEST(OptionsIo, KeepsWhatTheBaseSays) {
 TEST(OptionsIo, AnglesAreDegrees) {
   const RunOptions options = FromYaml(
       "preprocessing.depth.min_incidence_deg: 10\n"
-      "mapping.scan_to_map.covariance.floor_rotation_deg_per_m: 0.003\n"
+      "odometry.covariance.floor_rotation_deg_per_m: 0.003\n"
       "preprocessing.depth.min_triangle_area_rad_sq: 1.0e-5\n");
   EXPECT_DOUBLE_EQ(options.slam.preprocessing.depth.min_incidence_rad, DegToRad(10.0));
-  EXPECT_DOUBLE_EQ(options.slam.mapping.scan_to_map.covariance.floor_rotation_rad_per_m,
-                   DegToRad(0.003));
+  EXPECT_DOUBLE_EQ(options.slam.odometry.covariance.floor_rotation_rad_per_m, DegToRad(0.003));
   EXPECT_EQ(options.slam.preprocessing.depth.min_triangle_area_rad_sq, 1e-5);
   EXPECT_THAT(Complaint("preprocessing.depth.min_incidence_rad: 0.1"),
               HasSubstr("did you mean `preprocessing.depth.min_incidence_deg`?"));

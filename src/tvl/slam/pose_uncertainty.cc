@@ -24,8 +24,8 @@ Matrix6d Carried(const Matrix6d& covariance, const Matrix6d& adjoint) {
 }  // namespace
 
 void PoseUncertaintyOptions::Check() const {
-  TVL_CHECK_INPUT(noise_share > 0.0) << "uncertainty.noise_share: must be positive, is "
-                                     << noise_share;
+  TVL_CHECK_INPUT(noise_share > 0.0)
+      << "uncertainty.noise_share: must be positive, is " << noise_share;
   TVL_CHECK_INPUT(walk_per_m >= 0.0 && bias_level_rad_per_m >= 0.0 && bias_yaw_rad_per_m >= 0.0 &&
                   bias_scale >= 0.0)
       << "uncertainty.walk_per_m, bias_*: must not be negative";
@@ -42,8 +42,8 @@ MapError::Change MapError::Add(const PoseStep& step) {
   const Matrix6d adjoint = step.T_prev_cur.Inverse().Adjoint();
   const Matrix6d exact = Matrix6d::Identity() * (kExactSigma * kExactSigma);
   const Matrix6d unknown = Matrix6d::Identity() / (kUnknownSigma * kUnknownSigma);
-  const Matrix6d predicted = Inverse(
-      Inverse(Carried(covariance_, adjoint) + step.motion_covariance + exact) + unknown);
+  const Matrix6d predicted =
+      Inverse(Inverse(Carried(covariance_, adjoint) + step.motion_covariance + exact) + unknown);
   const Matrix6d of_prediction = Inverse(predicted);
   covariance_ = Symmetric(Inverse(of_prediction + step.map_information / options_.noise_share));
   change.covariance = covariance_;
@@ -51,8 +51,7 @@ MapError::Change MapError::Add(const PoseStep& step) {
   // What the map passes on is what it was built with: no more than the motion alone leaves open.
   const Matrix6d claimed =
       Inverse(step.map_information + Inverse(step.motion_covariance + exact) + unknown);
-  change.walk =
-      Symmetric(options_.walk_per_m * change.length_m * claimed + step.beyond_covariance);
+  change.walk = Symmetric(options_.walk_per_m * change.length_m * claimed + step.beyond_covariance);
   return change;
 }
 
@@ -72,7 +71,8 @@ void RelativeUncertainty::Add(const MapError::Change& change) {
   walk_ = Symmetric(Carried(walk_, adjoint) + change.walk);
   bias_effect_ = (adjoint * bias_effect_).eval();
   bias_effect_.topLeftCorner<3, 3>().diagonal().array() += change.length_m;
-  bias_effect_.bottomRightCorner<3, 1>() += change.T_prev_cur.R().transpose() * change.T_prev_cur.t();
+  bias_effect_.bottomRightCorner<3, 1>() +=
+      change.T_prev_cur.R().transpose() * change.T_prev_cur.t();
 }
 
 void RelativeUncertainty::BeginMap() {
