@@ -13,6 +13,7 @@ walk_covariance of the steps between, and the options uncertainty.bias_*.
 import argparse
 import json
 import pathlib
+import sys
 
 import numpy as np
 
@@ -95,7 +96,11 @@ def judge(truth, estimate, noise, walk, bias_sigma):
 def read(run):
     run = pathlib.Path(run)
     report = json.loads((run / "run.json").read_text())
-    T_cam0_lidar = poses.read_calibration(report["input"])
+    recording = pathlib.Path(report["input"])
+    if not (recording / "calib.txt").is_file():
+        sys.exit(f"{run}/run.json: its input {recording} has no calib.txt; a relative path is meant "
+                 "from where tvl was run")
+    T_cam0_lidar = poses.read_calibration(recording)
     truth = poses.to_lidar(poses.read_poses(run / "truth_kitti.txt"), T_cam0_lidar)
     estimate = poses.to_lidar(poses.read_poses(run / "odometry_kitti.txt"), T_cam0_lidar)
     matrices = {name: [np.reshape(frame[name], (6, 6)) for frame in report["frames"]]
