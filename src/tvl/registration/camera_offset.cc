@@ -86,9 +86,9 @@ CameraOffset::CameraOffset(const CameraOffsetOptions& options) : options_(option
   estimate_.translation_sigma_m.setConstant(options_.prior_place_m);
 }
 
-void CameraOffset::Keep(Image image) {
+void CameraOffset::Keep(const Image& image) {
   if (candidate_.empty() || image.edges.turning_rad_s > candidate_.front().edges.turning_rad_s) {
-    candidate_.assign(1, std::move(image));
+    candidate_.assign(1, image);
   }
   if (++since_kept_ < stride_) return;
   since_kept_ = 0;

@@ -69,7 +69,7 @@ class CameraOffset {
     EdgeProfiles edges;
     EdgeReading reading;
   };
-  void Keep(Image image);
+  void Keep(const Image& image);
   bool Solve(const EdgeReading& now);
 
   CameraOffsetOptions options_;
