@@ -118,6 +118,28 @@ RingAssignment UseGivenRings(const LidarScan& scan, const LidarModel& model, Rin
   return out;
 }
 
+// Row whose middle is nearest in elevation.
+RingAssignment SliceByElevation(const LidarScan& scan, const LidarModel& model,
+                                RingAssignment out) {
+  out.source = RingSource::kSlices;
+  out.rows = model.rows();
+  TVL_CHECK_INPUT(out.rows > 1) << "lidar '" << model.name << "': slices need two elevations";
+  const float top_rad = static_cast<float>(model.beam_elevation_rad.front());
+  const float rows_per_rad =
+      static_cast<float>(out.rows - 1) /
+      (top_rad - static_cast<float>(model.beam_elevation_rad.back()));
+  const float last = static_cast<float>(out.rows - 1);
+  out.row.resize(scan.size());
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    const float elevation_rad = FastAtan2(p.z(), std::sqrt(p.x() * p.x() + p.y() * p.y()));
+    const float row = (top_rad - elevation_rad) * rows_per_rad + 0.5F;
+    out.row[i] = static_cast<uint16_t>(row > 0.0F ? std::min(row, last) : 0.0F);
+  }
+  out.rings_found = out.rows;
+  return out;
+}
+
 void CheckStoredByRing(size_t points, int turns, const LidarModel& model) {
   const size_t most = static_cast<size_t>(turns) * 2 * static_cast<size_t>(model.columns);
   TVL_CHECK_INPUT(points <= most)
@@ -145,6 +167,7 @@ RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             RingMemory* memory, RingAssignment reuse) {
   TVL_CHECK(geometry.range_m.size() == scan.size());
   TVL_CHECK(scan.ring.empty() || scan.ring.size() == scan.size());
+  if (!model.rows_are_beams) return SliceByElevation(scan, model, std::move(reuse));
   if (!scan.ring.empty()) return UseGivenRings(scan, model, std::move(reuse));
   RingAssignment out = CountTurns(geometry, options, std::move(reuse));
   CheckStoredByRing(scan.size(), out.rings_found, model);

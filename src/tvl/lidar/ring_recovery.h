@@ -34,6 +34,7 @@ enum class RingSource {
   kGiven,     // LidarScan::ring
   kOneToOne,  // as many rings found as the sensor has beams (or the beams are not known)
   kAligned,   // another number: assigned to rows by elevation, in order (see ring_alignment.h)
+  kSlices,    // the sensor has no beams: slices of equal elevation
 };
 
 struct RingAssignment {
