@@ -42,7 +42,8 @@ class Neighbourhoods {
           const Moments* m = voxels_.Find({centre.x + x, centre.y + y, centre.z + z});
           if (m == nullptr) continue;
           const Eigen::Vector3f shift =
-              static_cast<float>(edge_m_) * Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+              static_cast<float>(edge_m_) *
+              Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
           all.outer += m->outer + shift * m->sum.transpose() + m->sum * shift.transpose() +
                        m->count * shift * shift.transpose();
           all.sum += m->sum + m->count * shift;
@@ -60,9 +61,7 @@ class Neighbourhoods {
   }
 
  private:
-  VoxelKey KeyOf(const Eigen::Vector3f& p) const {
-    return VoxelKey::Of(p.cast<double>(), edge_m_);
-  }
+  VoxelKey KeyOf(const Eigen::Vector3f& p) const { return VoxelKey::Of(p.cast<double>(), edge_m_); }
 
   double edge_m_;
   VoxelHash<Moments> voxels_;

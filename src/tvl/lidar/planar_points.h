@@ -10,7 +10,7 @@
 namespace tvl {
 
 struct PlanarPointOptions {
-  double voxel_m = 0.2;        // one point a voxel is kept (F_lf)
+  double voxel_m = 0.2;         // one point a voxel is kept (F_lf)
   double coarse_voxel_m = 0.8;  // F_f: the flattest of each
   // Scatter is that of the points within the voxels of this edge around a point's own, 3 x 3 x 3.
   double neighbourhood_m = 0.3;

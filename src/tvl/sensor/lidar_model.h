@@ -23,6 +23,8 @@ struct LidarModel {
   // not be neighbours on a surface, so that features are sought in space, and a row has no error of
   // its own.
   bool rows_are_beams = true;
+  // Azimuth at which a ring begins where scans are stored ring after ring; KITTI: straight ahead.
+  double ring_start_azimuth_rad = 0.0;
   int columns = 2048;           // columns of the range image over 360 degrees
   double sweep_s = 0.1;         // time of a revolution; the stamp is its middle, facing +x
   double range_sigma_m = 0.02;  // noise of a range

@@ -67,7 +67,6 @@ void VisitFields(Visitor& visit, FeatureTrackerOptions& options) {
 
 template <typename Visitor>
 void VisitFields(Visitor& visit, RingRecoveryOptions& options) {
-  TVL_FIELD(start_azimuth_rad);
   TVL_FIELD(max_backstep_rad);
   TVL_FIELD(min_range_m);
 }
