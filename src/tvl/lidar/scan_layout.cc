@@ -141,15 +141,16 @@ ProfileFit FittingProfile(const std::vector<LidarModel>& profiles,
   ProfileFit best;
   for (const LidarModel& profile : profiles) {
     const size_t beams = profile.beam_elevation_rad.size();
-    // A file may lack upper rings that saw the sky, not a quarter of them.
-    if (beams < measured.size() || 4 * measured.size() < 3 * beams) continue;
+    // A file may lack upper rings that saw the sky, not a quarter of them, and a ring or two may
+    // have been torn in two.
+    if (20 * measured.size() > 21 * beams || 4 * measured.size() < 3 * beams) continue;
     const double rms_rad = ProfileRms_rad(profile, measured);
     if (rms_rad < best.rms_rad) best = {&profile, rms_rad};
   }
   return best;
 }
 
-// The profile whose field of view is that of the scans; null if there is none.
+// The profile whose field of view is that of nearly all points; null if there is none.
 const LidarModel* ProfileOfView(const std::vector<LidarModel>& profiles, double top_rad,
                                 double bottom_rad) {
   for (const LidarModel& profile : profiles) {
@@ -219,24 +220,18 @@ class OrderFinder {
   }
 
   bool TryRingAfterRing() {
-    // Everywhere but at the break the elevation only trembles.
-    constexpr double kLeastShare = 0.7, kMostShare = 1.3, kMostElsewhere = 0.4;
-    constexpr size_t kFewestRings = 4;
-    RingBreak found;
+    std::vector<RingOrder> found;
     for (const RawScan* scan : scans_) {
-      const RingBreak one = FindRingBreak(*scan, kNearest);
-      if (one.share < kLeastShare || one.share > kMostShare) return false;
-      if (one.share_elsewhere > kMostElsewhere) return false;
-      if (one.share > found.share) found = one;
+      const std::optional<RingOrder> one = FindRingOrder(*scan, kNearest);
+      if (!one) return false;
+      if (!found.empty() && one->lowest_first != found.front().lowest_first) return false;
+      found.push_back(*one);
     }
-    out_.lowest_first = found.lowest_first;
-    // KITTI's rings begin ahead to a degree, and are left as the profile has them.
-    constexpr double kAhead_rad = 3.0 * kPi / 180.0;
-    ring_start_rad_ = std::abs(found.azimuth_rad) < kAhead_rad ? 0.0 : found.azimuth_rad;
+    out_.lowest_first = found.front().lowest_first;
+    ring_start_rad_ = RingStart_rad(found);
     const std::vector<LineElevation> rings = MeasureRings(scans_, out_, ring_start_rad_);
-    if (rings.size() < kFewestRings) return false;
     out_.order = ScanOrder::kRingAfterRing;
-    Note(std::string("stored ring after ring, the ") + (found.lowest_first ? "lowest" : "topmost") +
+    Note(std::string("stored ring after ring, the ") + (out_.lowest_first ? "lowest" : "topmost") +
          " first, beginning at an azimuth of " + Degrees(ring_start_rad_));
     UseBeams(rings);
     return true;
@@ -307,14 +302,18 @@ void OrderFinder::UseSlices() {
     }
   }
   std::sort(elevations.begin(), elevations.end());
-  const size_t tail = elevations.size() / 1000;
-  const double bottom_rad = static_cast<double>(elevations[tail]);
-  const double top_rad = std::max(bottom_rad + 4.0 * kThinnest_rad,
-                                  static_cast<double>(elevations[elevations.size() - 1 - tail]));
+  const auto quantile_rad = [&](double share) {
+    return static_cast<double>(
+        elevations[static_cast<size_t>(share * static_cast<double>(elevations.size() - 1))]);
+  };
+  const double bottom_rad = quantile_rad(0.001);
+  const double top_rad = std::max(bottom_rad + 4.0 * kThinnest_rad, quantile_rad(0.999));
   const int rows = std::clamp(static_cast<int>((top_rad - bottom_rad) / kThinnest_rad), 4, kRows);
   out_.order = ScanOrder::kSlices;
   const LidarModel* profile =
-      hints_.is_given_by_user ? &hints_.lidar : ProfileOfView(hints_.profiles, top_rad, bottom_rad);
+      hints_.is_given_by_user
+          ? &hints_.lidar
+          : ProfileOfView(hints_.profiles, quantile_rad(0.99), quantile_rad(0.01));
   if (profile != nullptr) out_.lidar = *profile;
   if (profile == nullptr) out_.lidar.min_range_m = 0.5, out_.lidar.sweep_s = hints_.period_s;
   out_.lidar.name = profile != nullptr ? profile->name + ", beams not told apart" : "no beams";

@@ -39,7 +39,7 @@ std::vector<Direction> Directions(const RawScan& scan, float min_range) {
 
 constexpr int kSmallestGap = 10;  // bins
 
-// Middle of the largest range of azimuth without points; -1 if there is none to speak of.
+// Middle bin of the largest range of azimuth without points; -1 if there is none to speak of.
 int LargestGap(const std::vector<Direction>& directions) {
   std::array<bool, kAzimuthBins> seen{};
   for (const Direction& d : directions) seen[static_cast<size_t>(BinOf(d.azimuth_rad))] = true;
@@ -53,63 +53,125 @@ int LargestGap(const std::vector<Direction>& directions) {
   return longest >= kSmallestGap ? middle : -1;
 }
 
-}  // namespace
+constexpr size_t kChunks = 16;
 
-RingBreak FindRingBreak(const RawScan& scan, float min_range) {
-  const std::vector<Direction> directions = Directions(scan, min_range);
-  RingBreak best;
-  if (directions.size() < 2) return best;
-  const int gap = LargestGap(directions);
-  std::array<double, kAzimuthBins> rise{};
-  double lowest = directions[0].elevation_rad, highest = lowest;
+// +1 where the median elevation rises from each sixteenth of the points to the next, -1 where it
+// falls, but for one of them; 0 for neither.
+int ElevationTrend(const std::vector<Direction>& directions) {
+  std::vector<double> medians;
+  for (size_t chunk = 0; chunk < kChunks; ++chunk) {
+    std::vector<double> values;
+    const size_t end = (chunk + 1) * directions.size() / kChunks;
+    for (size_t i = chunk * directions.size() / kChunks; i < end; ++i) {
+      values.push_back(directions[i].elevation_rad);
+    }
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    medians.push_back(*middle);
+  }
+  size_t rising = 0;
+  for (size_t i = 1; i < kChunks; ++i) rising += medians[i] > medians[i - 1];
+  if (rising >= kChunks - 2) return 1;
+  return rising <= 1 ? -1 : 0;
+}
+
+// Share of the passes of each bin of azimuth in which the elevation steps as from one ring to the
+// next.
+std::vector<double> StartScores(const std::vector<Direction>& directions, int gap, int trend) {
+  std::vector<std::vector<double>> passes(kAzimuthBins);
+  int current = -1;
+  double lowest = directions[0].elevation_rad, highest = lowest, turned_rad = 0.0;
   for (size_t i = 1; i < directions.size(); ++i) {
     const Direction& a = directions[i - 1];
     const Direction& b = directions[i];
     const double step = Wrapped(b.azimuth_rad - a.azimuth_rad);
-    // A sensor that does not see all round passes from one ring to the next across what it does
-    // not see.
+    turned_rad += std::abs(step);
+    lowest = std::min(lowest, b.elevation_rad), highest = std::max(highest, b.elevation_rad);
     const bool jumps = gap >= 0 && std::abs(step) > kSmallestGap * kBin_rad;
     const int bin = jumps ? gap : BinOf(Wrapped(a.azimuth_rad + 0.5 * step));
-    rise[static_cast<size_t>(bin)] += b.elevation_rad - a.elevation_rad;
-    lowest = std::min(lowest, b.elevation_rad), highest = std::max(highest, b.elevation_rad);
+    if (bin != current) passes[static_cast<size_t>(bin)].push_back(0.0);
+    passes[static_cast<size_t>(bin)].back() += trend * (b.elevation_rad - a.elevation_rad);
+    current = bin;
   }
-  const auto sum_around = [&](int i) {  // rings begin within a bin or two of each other
-    double sum = 0.0;
+  const double turns = std::max(turned_rad / (2.0 * kPi), 1.0);
+  const double spacing_rad = (highest - lowest) / turns;
+  std::vector<double> scores;
+  for (const std::vector<double>& pass : passes) {
+    const auto steps = std::count_if(pass.begin(), pass.end(), [&](double rise_rad) {
+      return rise_rad > 0.3 * spacing_rad && rise_rad < 4.0 * spacing_rad;
+    });
+    const bool tells = static_cast<double>(pass.size()) > 0.25 * turns;
+    scores.push_back(tells ? static_cast<double>(steps) / static_cast<double>(pass.size()) : 0.0);
+  }
+  return scores;
+}
+
+}  // namespace
+
+std::optional<RingOrder> FindRingOrder(const RawScan& scan, float min_range) {
+  const std::vector<Direction> directions = Directions(scan, min_range);
+  if (directions.size() < kChunks) return std::nullopt;
+  const int gap = LargestGap(directions);
+  // Within a ring the azimuth goes one way. Steps are small there; others leave out what has no
+  // return, or lead to the next ring.
+  constexpr double kSmallStep_rad = 0.1, kOneWay = 0.9;
+  size_t small = 0, rising = 0, falling = 0, jumps = 0;
+  double turns = 0.0;
+  for (size_t i = 1; i < directions.size(); ++i) {
+    const double step = Wrapped(directions[i].azimuth_rad - directions[i - 1].azimuth_rad);
+    turns += step / (2.0 * kPi);
+    if (std::abs(step) > kSmallestGap * kBin_rad) ++jumps;
+    if (std::abs(step) > kSmallStep_rad) continue;
+    ++small;
+    if (step != 0.0) ++(step > 0.0 ? rising : falling);
+  }
+  const double one_way = kOneWay * static_cast<double>(small);
+  if (static_cast<double>(std::max(rising, falling)) < one_way) return std::nullopt;
+  // A sensor that does not see all round jumps back across what it does not see.
+  constexpr double kFewestRings = 4.0;
+  if (gap < 0 && std::abs(turns) < kFewestRings - 0.5) return std::nullopt;
+  if (gap >= 0 && static_cast<double>(jumps) < kFewestRings - 1.0) return std::nullopt;
+  const int trend = ElevationTrend(directions);
+  if (trend == 0) return std::nullopt;
+  return RingOrder{trend > 0, StartScores(directions, gap, trend)};
+}
+
+double RingStart_rad(const std::vector<RingOrder>& orders) {
+  std::array<double, kAzimuthBins> score{};
+  for (const RingOrder& order : orders) {
+    for (size_t i = 0; i < score.size(); ++i) score[i] += order.start_score[i];
+  }
+  const auto near = [&](int bin) {  // rings begin within a bin or two of each other
+    double best = 0.0;
     for (int k = -2; k <= 2; ++k) {
-      sum += rise[static_cast<size_t>((i + k + kAzimuthBins) % kAzimuthBins)];
+      best = std::max(best, score[static_cast<size_t>((bin + k + kAzimuthBins) % kAzimuthBins)]);
     }
-    return sum;
+    return best;
   };
-  int at = 0;
-  for (int i = 1; i < kAzimuthBins; ++i) {
-    if (std::abs(sum_around(i)) > std::abs(sum_around(at))) at = i;
-  }
-  double elsewhere = 0.0;
-  for (int i = 5; i <= kAzimuthBins - 5; ++i) {
-    elsewhere = std::max(elsewhere, std::abs(sum_around((at + i) % kAzimuthBins)));
-  }
-  if (highest <= lowest) return best;
-  best.azimuth_rad = Wrapped((at + 0.5) * kBin_rad - kPi);
-  best.lowest_first = sum_around(at) > 0.0;
-  best.share = std::abs(sum_around(at)) / (highest - lowest);
-  best.share_elsewhere = elsewhere / (highest - lowest);
-  return best;
+  const size_t best =
+      static_cast<size_t>(std::max_element(score.begin(), score.end()) - score.begin());
+  // Sensors begin ahead or behind. A row of poles or a hedge can feign another beginning, as it
+  // steps back in ring after ring, but hardly a clearer one.
+  constexpr double kClearly = 0.7;
+  if (near(BinOf(0.0)) > kClearly * score[best]) return 0.0;
+  if (near(0) > kClearly * score[best]) return -kPi;
+  return Wrapped((static_cast<double>(best) + 0.5) * kBin_rad - kPi);
 }
 
 double StoredTurns(const RawScan& scan, float min_range) {
   const std::vector<Direction> directions = Directions(scan, min_range);
-  // Means of so many chunks: beams of one firing look up to 7 deg to either side.
-  constexpr size_t kChunks = 90;
-  if (directions.size() < 4 * kChunks) return 0.0;
+  // Means of so many parts: beams of one firing look up to 7 deg to either side.
+  constexpr size_t kParts = 90;
+  if (directions.size() < 4 * kParts) return 0.0;
   double turns = 0.0, wandered = 0.0, previous_rad = 0.0;
-  for (size_t chunk = 0; chunk < kChunks; ++chunk) {
+  for (size_t part = 0; part < kParts; ++part) {
     double x = 0.0, y = 0.0;
-    const size_t end = (chunk + 1) * directions.size() / kChunks;
-    for (size_t i = chunk * directions.size() / kChunks; i < end; ++i) {
+    const size_t end = (part + 1) * directions.size() / kParts;
+    for (size_t i = part * directions.size() / kParts; i < end; ++i) {
       x += std::cos(directions[i].azimuth_rad), y += std::sin(directions[i].azimuth_rad);
     }
     const double mean_rad = std::atan2(y, x);
-    const double step = chunk == 0 ? 0.0 : Wrapped(mean_rad - previous_rad);
+    const double step = part == 0 ? 0.0 : Wrapped(mean_rad - previous_rad);
     turns += step / (2.0 * kPi), wandered += std::abs(step) / (2.0 * kPi);
     previous_rad = mean_rad;
   }

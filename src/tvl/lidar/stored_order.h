@@ -3,26 +3,28 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tvl/sensor/raw_scan.h"
 
 namespace tvl {
 
-// A file stored ring after ring goes from the top of the field of view to the bottom (or back) once
-// in all, and does so only where a ring ends and the next begins. The changes of elevation from
-// each point to the next, summed by azimuth, therefore add up to the whole field of view at that
-// azimuth, and to nothing elsewhere.
-struct RingBreak {
-  double azimuth_rad = 0.0;  // where rings begin
+// Of a scan stored one ring after the other: the azimuth goes round once a ring, always the same
+// way, and the elevation rises or falls over the scan as a whole.
+struct RingOrder {
   bool lowest_first = false;
-  // Of the field of view: what is passed there, near 1, and the most that is passed within 5 deg
-  // elsewhere, near 0. In another order neither is so.
-  double share = 0.0, share_elsewhere = 1.0;
+  // Of each degree of azimuth, from -180: how often the elevation steps there as from one ring to
+  // the next.
+  std::vector<double> start_score;
 };
 
-// Points nearer than `min_range` (in the unit of the scan) are left out.
-RingBreak FindRingBreak(const RawScan& scan, float min_range);
+// Empty where the points are stored in another order. Points nearer than `min_range` (in the unit
+// of the scan) are left out.
+std::optional<RingOrder> FindRingOrder(const RawScan& scan, float min_range);
+
+// Azimuth at which the rings of a recording's scans begin, -pi to pi.
+double RingStart_rad(const std::vector<RingOrder>& orders);
 
 // Turns of the azimuth from the first point to the last, positive counter-clockwise, where it goes
 // round evenly: about 1 for a sweep in the order it was measured. 0 where it does not.
