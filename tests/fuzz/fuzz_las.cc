@@ -2,8 +2,6 @@
 #include "tvl/io/cloud/las.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t bytes) {
-  tvl::FuzzScan([&](const std::string& source) {
-    return tvl::ParseLas(data, bytes, source).scan;
-  });
+  tvl::FuzzScan([&](const std::string& source) { return tvl::ParseLas(data, bytes, source).scan; });
   return 0;
 }

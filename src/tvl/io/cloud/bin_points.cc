@@ -171,6 +171,10 @@ size_t ChooseFloatsOfFew(const std::vector<BinSample>& samples) {
 
 }  // namespace
 
+BinLayout KittiBinLayout() {
+  return {{"x", "y", "z", "intensity"}, "records of 4 floats: x y z intensity"};
+}
+
 BinSample SampleOfBin(const uint8_t* data, size_t bytes) {
   BinSample sample;
   sample.file_bytes = bytes;

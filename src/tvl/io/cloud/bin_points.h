@@ -18,6 +18,9 @@ struct BinLayout {
   std::string note;  // e.g. "records of 5 floats: x y z intensity ring"
 };
 
+// KITTI's: x y z intensity.
+BinLayout KittiBinLayout();
+
 // Float32 numbers of one file, from its beginning, and the length of that file.
 struct BinSample {
   std::vector<float> numbers;
