@@ -1,8 +1,12 @@
 #include "tvl/cli/input.h"
 
 #include "tvl/base/check.h"
+#include "tvl/io/cloud/cloud_folder.h"
+#include "tvl/io/kitti/kitti_360.h"
+#include "tvl/io/kitti/kitti_object.h"
 #include "tvl/io/kitti_dataset.h"
 #include "tvl/io/profile.h"
+#include "tvl/io/recorded_dataset.h"
 #include "tvl/slam/deskew_decision.h"
 
 #ifdef TVL_WITH_SIM
@@ -33,6 +37,15 @@ LayoutHints HintsOf(const InputOptions& options) {
   return hints;
 }
 
+// What is not in one of the layouts that KittiDataset reads; empty if nothing is recognised.
+std::optional<Recording> OpenRecording(const std::string& spec) {
+  if (LooksLikeKitti(spec)) return std::nullopt;
+  if (LooksLikeKitti360(spec)) return OpenKitti360(spec);
+  if (LooksLikeKittiObject(spec)) return OpenKittiObject(spec);
+  if (LooksLikeCloudFolder(spec)) return OpenCloudFolder(spec);
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Deskew> ParseDeskew(const std::string& text) {
@@ -49,6 +62,13 @@ std::unique_ptr<Dataset> OpenInput(const std::string& spec, const InputOptions& 
     SensorSetup setup = simulation->setup();
     setup.lidar = LoadProfile(options.profile);
     return std::make_unique<ReconfiguredDataset>(std::move(simulation), std::move(setup));
+  }
+  if (std::optional<Recording> recording = OpenRecording(spec)) {
+    RecordedOptions recorded;
+    recorded.hints = HintsOf(options);
+    recorded.first_frame = options.first_frame;
+    recorded.require_first_scan = options.require_first_scan;
+    return std::make_unique<RecordedDataset>(std::move(*recording), recorded);
   }
   KittiOptions kitti;
   kitti.recognise = HintsOf(options);

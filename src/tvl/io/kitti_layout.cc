@@ -187,6 +187,15 @@ KittiLayout WithWarnings(KittiLayout layout) {
 
 }  // namespace
 
+bool LooksLikeKitti(const std::string& folder) {
+  std::error_code ignored;
+  const fs::path root = fs::path(folder).lexically_normal();
+  if (fs::is_directory(root / "velodyne", ignored)) return fs::exists(root / "calib.txt", ignored);
+  const fs::path named = root.has_filename() ? root : root.parent_path();
+  return fs::is_directory(root / "velodyne_points" / "data", ignored) &&
+         fs::exists(named.parent_path() / "calib_velo_to_cam.txt", ignored);
+}
+
 KittiLayout FindKittiLayout(const std::string& folder, int camera) {
   TVL_CHECK_INPUT(fs::is_directory(folder)) << folder << ": no such folder";
   KittiLayout layout;

@@ -40,6 +40,10 @@ struct KittiLayout {
   std::vector<std::string> warnings;  // about the folder as a whole
 };
 
+// Whether `folder` has the scans and the calibration of one of the two layouts where they belong.
+// Looks at names only.
+bool LooksLikeKitti(const std::string& folder);
+
 // `camera`: 0..3, or -1 for the lowest that has images. Frames are paired by file number; missing
 // files are counted. Throws InputError naming the folder or file: no folder, no scans, no
 // calibration, malformed text files, a camera asked for that has no images.

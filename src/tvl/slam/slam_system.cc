@@ -174,7 +174,11 @@ SensorFrame SlamSystem::WithoutRepetitions(SensorFrame frame, FrameContext* cont
       frame.faults.push_back({FrameFault::Kind::kOddCalibration, name + ": " + odd});
   }
   const Repetition repetition = repetition_.Check(frame);
-  context->interval = clock_.Advance(frame.stamp);
+  // The lidar keeps time; images may be taken at any time within its sweeps.
+  const double middle_s = frame.scan != nullptr ? frame.scan->middle_s : last_middle_s_;
+  context->interval = clock_.Advance({frame.stamp.ns + Timestamp::FromSeconds(middle_s).ns});
+  context->interval.shift_s = path_.empty() ? 0.0 : last_middle_s_ - middle_s;
+  last_middle_s_ = middle_s;
   const FrameInterval& interval = context->interval;
   stamp_ = path_.empty() ? frame.stamp : Advanced(stamp_, frame.stamp, interval.period_s);
   std::ostringstream passed;

@@ -171,8 +171,9 @@ class SlamSystem {
   PredictedMotion last_motion_;  // of the last frame, as estimated
   Timestamp stamp_;              // of the last frame; runs on where stamps do not advance
   FrameStatus last_status_ = FrameStatus::kFirst;
-  bool was_repeated_ = false;  // the last frame
-  int lost_scans_ = 0;         // in a row
+  double last_middle_s_ = 0.0;  // LidarScan::middle_s of the last scan
+  bool was_repeated_ = false;   // the last frame
+  int lost_scans_ = 0;          // in a row
   double path_m_ = 0.0;
   OdometryUncertainty uncertainty_;
   // As of the last pose that is known.
