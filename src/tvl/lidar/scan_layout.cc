@@ -331,17 +331,17 @@ void FindTimesFromOrder(const Scans& scans, ScanLayout* layout) {
   if (layout->order == ScanOrder::kRingAfterRing) return;
   // Organised clouds whose rows are the beams hold one ring after the other, too.
   if (layout->order == ScanOrder::kOrganised && !layout->lines_are_columns) return;
-  bool clockwise = false;
+  double sum = 0.0;
   for (const RawScan* scan : scans) {
     const double turns = StoredTurns(*scan, kNearest);
     if (std::abs(turns) < 0.8 || std::abs(turns) > 1.2) return;
-    clockwise = turns < 0.0;
+    sum += turns;
   }
   layout->times = PointTimes::kFromOrder;
-  layout->is_clockwise = clockwise;
+  layout->turns_per_scan = sum / static_cast<double>(scans.size());
   layout->notes.push_back(
       std::string("points are stored as they were measured, turning ") +
-      (clockwise ? "clockwise" : "counter-clockwise") +
+      (sum < 0.0 ? "clockwise" : "counter-clockwise") +
       ": this gives their times within the sweep, whose middle is taken to be the stamp");
 }
 
@@ -405,7 +405,7 @@ std::vector<float> TimesOf(const RawScan& scan, const std::vector<uint32_t>& kep
                            const ScanLayout& layout, Timestamp stamp) {
   std::vector<float> out;
   if (layout.times == PointTimes::kFromOrder) {
-    return TimesFromOrder(scan, kept, layout.is_clockwise, layout.lidar.sweep_s);
+    return TimesFromOrder(scan, kept, layout.turns_per_scan, layout.lidar.sweep_s);
   }
   if (layout.times == PointTimes::kNone || scan.time.size() != scan.size()) return out;
   double zero_s = 0.0;

@@ -34,7 +34,9 @@ struct ScanLayout {
   double intensity_per_unit = 1.0;
   PointTimes times = PointTimes::kNone;
   double s_per_time_unit = 1.0;
-  bool is_clockwise = false;  // kFromOrder: azimuth falls with time, seen from above
+  // kFromOrder: of the azimuth from the first point to the last, negative where it falls with time
+  // (clockwise, seen from above). Drivers may cut scans so that each is more than one turn.
+  double turns_per_scan = 1.0;
   // Evidence: rms of the measured elevations against the profile's beams; 0 without a profile.
   double profile_rms_rad = 0.0;
   int measured_beams = 0;

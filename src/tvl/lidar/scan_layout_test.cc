@@ -108,7 +108,7 @@ TEST(ScanLayout, FiringsTellWhenTheyWereMeasured) {
   const Scanned scan = FiringByFiring(ScanWith(Beams(15.0, -15.0, 16)));
   const ScanLayout layout = Recognise(scan.raw);
   ASSERT_EQ(layout.times, PointTimes::kFromOrder);
-  EXPECT_TRUE(layout.is_clockwise);
+  EXPECT_NEAR(layout.turns_per_scan, -1.0, 0.02);
   const LidarScan applied = ApplyLayout(scan.raw, layout, {});
   ASSERT_EQ(applied.time_offset_s.size(), applied.size());
   for (size_t i = 0; i < applied.size(); i += 97) {

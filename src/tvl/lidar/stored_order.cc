@@ -175,31 +175,34 @@ double StoredTurns(const RawScan& scan, float min_range) {
     turns += step / (2.0 * kPi), wandered += std::abs(step) / (2.0 * kPi);
     previous_rad = mean_rad;
   }
-  return std::abs(turns) > 0.9 * wandered ? turns : 0.0;
+  // From the middle of the first part to that of the last there is one part less than in all.
+  constexpr double kAll = static_cast<double>(kParts) / static_cast<double>(kParts - 1);
+  return std::abs(turns) > 0.9 * wandered ? kAll * turns : 0.0;
 }
 
 std::vector<float> TimesFromOrder(const RawScan& scan, const std::vector<uint32_t>& kept,
-                                  bool is_clockwise, double sweep_s) {
+                                  double turns, double duration_s) {
   std::vector<float> out;
   if (kept.empty()) return out;
   // The azimuth the sweep begins at: half a hundredth before the mean of its first hundredth.
-  const double sense = is_clockwise ? -1.0 : 1.0;
+  const double sense = turns < 0.0 ? -1.0 : 1.0;
   double x = 0.0, y = 0.0;
   for (size_t k = 0; k <= kept.size() / 100; ++k) {
     const Eigen::Vector3f& p = scan.points[kept[k]];
     const double h = static_cast<double>(std::max(p.head<2>().norm(), 1e-6F));
     x += static_cast<double>(p.x()) / h, y += static_cast<double>(p.y()) / h;
   }
-  const double start_rad = std::atan2(y, x) - sense * 0.005 * 2.0 * kPi;
+  const double start_rad = std::atan2(y, x) - turns * 0.005 * 2.0 * kPi;
   out.reserve(kept.size());
   for (size_t k = 0; k < kept.size(); ++k) {
     const Eigen::Vector3f& p = scan.points[kept[k]];
     const double azimuth_rad = static_cast<double>(FastAtan2(p.y(), p.x()));
-    const double share = static_cast<double>(k) / static_cast<double>(kept.size());
+    const double turned =
+        std::abs(turns) * static_cast<double>(k) / static_cast<double>(kept.size());
     // Beams look a little to either side: which turn it is, the place in the order tells.
-    const double ahead = sense * (azimuth_rad - start_rad) / (2.0 * kPi) - share;
-    const double phase = share + ahead - std::round(ahead);
-    out.push_back(static_cast<float>((phase - 0.5) * sweep_s));
+    const double ahead = sense * (azimuth_rad - start_rad) / (2.0 * kPi) - turned;
+    const double phase = turned + ahead - std::round(ahead);
+    out.push_back(static_cast<float>((phase / std::abs(turns) - 0.5) * duration_s));
   }
   return out;
 }

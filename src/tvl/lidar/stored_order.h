@@ -30,9 +30,10 @@ double RingStart_rad(const std::vector<RingOrder>& orders);
 // round evenly: about 1 for a sweep in the order it was measured. 0 where it does not.
 double StoredTurns(const RawScan& scan, float min_range);
 
-// Seconds from the middle of the sweep to the instant each of the points `kept` (indices,
-// increasing) was measured, by its azimuth. For scans stored as they were measured.
+// Seconds from the middle of the scan to the instant each of the points `kept` (indices,
+// increasing) was measured, by its azimuth. For scans stored as they were measured: `turns` of the
+// azimuth (negative: falling) in `duration_s`.
 std::vector<float> TimesFromOrder(const RawScan& scan, const std::vector<uint32_t>& kept,
-                                  bool is_clockwise, double sweep_s);
+                                  double turns, double duration_s);
 
 }  // namespace tvl
