@@ -1,0 +1,54 @@
+// The messages of one topic in the order of their stamps.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tvl/io/ros/message_store.h"
+#include "tvl/io/ros/messages.h"
+
+namespace tvl {
+
+// Const and safe to call from several threads.
+class MessageStream {
+ public:
+  // Reads the stamp of every message. `file` is for texts.
+  MessageStream(std::shared_ptr<const MessageStore> store, MessageTopic topic,
+                const std::vector<MessageLocation>& messages, const std::string& file);
+
+  size_t size() const { return entries_.size(); }
+  // The header's stamp, or the log time where the header has none.
+  Timestamp Stamp(size_t index) const { return entries_.at(index).stamp; }
+  // Throws InputError naming file, topic and message.
+  StoredMessage Read(size_t index) const;
+  std::string Place(size_t index) const;
+  const MessageTopic& topic() const { return topic_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  // Earliest and latest, 0 and 0 of nothing.
+  struct Span {
+    Timestamp first, last;
+  };
+  Span StampSpan() const;
+  Span LogSpan() const;
+  // From now on the log times are the stamps.
+  void UseLogTimes();
+
+ private:
+  struct Entry {
+    MessageLocation location;
+    Timestamp stamp;
+  };
+  void ReadStamps();
+  void SortByStamp();
+
+  std::shared_ptr<const MessageStore> store_;
+  MessageTopic topic_;
+  std::string place_;  // file and topic
+  std::vector<Entry> entries_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace tvl
