@@ -121,15 +121,15 @@ void ReadIndex(Opened* bag, Recording* recording) {
   MessageIndex index = bag->store->Index(wanted);
   std::vector<std::string>& warnings = recording->warnings;
   warnings.insert(warnings.end(), index.warnings.begin(), index.warnings.end());
-  const auto stream = [&](size_t topic, size_t k) {
-    auto messages = std::make_shared<MessageStream>(bag->store, bag->store->topics()[topic],
-                                                    index.topics[k], bag->path);
-    warnings.insert(warnings.end(), messages->warnings().begin(), messages->warnings().end());
-    return messages;
-  };
-  size_t next = 0;
-  bag->scans = stream(choice.lidar, next++);
-  if (choice.image) bag->images = stream(*choice.image, next++);
+  size_t next = choice.image ? 2 : 1;
+  std::vector<MessageTopic> topics;
+  for (size_t k = 0; k < next; ++k) topics.push_back(bag->store->topics()[wanted[k]]);
+  const auto streams = OpenStreams(bag->store, topics, Take(&index, 0, next), bag->path);
+  for (const auto& stream : streams) {
+    warnings.insert(warnings.end(), stream->warnings().begin(), stream->warnings().end());
+  }
+  bag->scans = streams.front();
+  if (choice.image) bag->images = streams.back();
   const size_t infos = choice.camera_info ? 1 : 0;
   bag->camera_info = Take(&index, next, infos);
   next += infos;

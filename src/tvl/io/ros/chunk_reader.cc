@@ -8,8 +8,9 @@
 namespace tvl {
 namespace {
 
-// Messages of one instant, scan and image, lie in one chunk or in neighbouring ones.
-constexpr size_t kMostCachedChunks = 4;
+// Messages of one instant, scan and image, lie in one chunk or in neighbouring ones: two a thread,
+// for the few threads that read.
+constexpr size_t kMostCachedChunks = 8;
 // All cached chunks together; recorders make chunks of 1 to 4 MiB, so that this is rarely reached.
 constexpr size_t kMostCachedBytes = size_t{1} << 26;
 

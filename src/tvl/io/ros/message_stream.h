@@ -1,4 +1,4 @@
-// The messages of one topic in the order of their stamps.
+// The messages of topics in the order of their stamps.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,19 @@
 
 namespace tvl {
 
+class MessageStream;
+
+// One stream a topic, with the stamps of all messages. They are read together and side by side, so
+// that a compressed chunk is inflated once, and only up to its last header. `file` is for texts;
+// `messages` are those of the topics, one entry each.
+std::vector<std::shared_ptr<MessageStream>> OpenStreams(
+    const std::shared_ptr<const MessageStore>& store, const std::vector<MessageTopic>& topics,
+    const std::vector<std::vector<MessageLocation>>& messages, const std::string& file);
+
 // Const and safe to call from several threads.
 class MessageStream {
  public:
-  // Reads the stamp of every message. `file` is for texts.
+  // Without stamps: OpenStreams makes streams.
   MessageStream(std::shared_ptr<const MessageStore> store, MessageTopic topic,
                 const std::vector<MessageLocation>& messages, const std::string& file);
 
@@ -39,9 +48,19 @@ class MessageStream {
  private:
   struct Entry {
     MessageLocation location;
-    Timestamp stamp;
+    Timestamp stamp;  // 0: none, or not readable
   };
-  void ReadStamps();
+  struct Position {
+    MessageStream* stream;
+    size_t index;
+  };
+  friend std::vector<std::shared_ptr<MessageStream>> OpenStreams(
+      const std::shared_ptr<const MessageStore>&, const std::vector<MessageTopic>&,
+      const std::vector<std::vector<MessageLocation>>&, const std::string&);
+  static std::vector<Position> ByPlace(const std::vector<std::shared_ptr<MessageStream>>& streams);
+  void ReadStamp(size_t index);
+  // Log times take the place of stamps that are missing.
+  void FillStamps();
   void SortByStamp();
 
   std::shared_ptr<const MessageStore> store_;
