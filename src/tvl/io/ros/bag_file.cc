@@ -61,9 +61,9 @@ YAML::Node ReadMetadata(const std::string& file) {
 // Throws InputError for names that lead out of the folder.
 std::string PathInside(const std::string& folder, const std::string& name) {
   const fs::path relative(name);
-  const bool leaves = relative.is_absolute() ||
-                      std::any_of(relative.begin(), relative.end(),
-                                  [](const fs::path& part) { return part == ".."; });
+  const bool leaves =
+      relative.is_absolute() || std::any_of(relative.begin(), relative.end(),
+                                            [](const fs::path& part) { return part == ".."; });
   TVL_CHECK_INPUT(!leaves && !name.empty())
       << folder << "/" << kMetadata << ": file name '" << name << "' leaves the folder";
   const fs::path path = fs::path(folder) / relative;

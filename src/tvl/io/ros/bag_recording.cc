@@ -149,10 +149,11 @@ void CompareClocks(const Opened& bag, Recording* recording) {
   if (!Overlap(bag.scans->LogSpan(), bag.images->LogSpan())) return;
   const double apart_s =
       SecondsBetween(bag.images->StampSpan().first, bag.scans->StampSpan().first);
-  recording->warnings.push_back(
-      bag.path + ": the stamps of scans and images come from different clocks (" +
-      std::to_string(apart_s) + " s apart): the times of recording are taken, which are late by "
-      "the time of transport");
+  recording->warnings.push_back(bag.path +
+                                ": the stamps of scans and images come from different clocks (" +
+                                std::to_string(apart_s) +
+                                " s apart): the times of recording are taken, which are late by "
+                                "the time of transport");
   bag.scans->UseLogTimes();
   bag.images->UseLogTimes();
 }
@@ -165,8 +166,7 @@ void VisitTransforms(const Opened& bag, const std::vector<size_t>& topics,
   for (size_t t = 0; t < topics.size(); ++t) {
     const MessageTopic& topic = bag.store->topics()[topics[t]];
     for (size_t k = 0; k < std::min(most, messages[t].size()); ++k) {
-      const std::string place =
-          bag.path + ": " + topic.name + ": message " + std::to_string(k);
+      const std::string place = bag.path + ": " + topic.name + ": message " + std::to_string(k);
       try {
         const StoredMessage message{bag.store->Read(messages[t][k]), topic.encoding, place};
         for (const FrameTransform& transform : DecodeTransforms(message)) visit(transform);
@@ -243,9 +243,9 @@ void FindCamera(const Opened& bag, const std::optional<CameraInfoMessage>& info,
         << source << ": is of images of " << camera.width_px << "x" << camera.height_px
         << ", the images are " << image.width << "x" << image.height;
     recording->camera = camera;
-    recording->notes.push_back("camera: " + bag.store->topics()[*bag.choice.camera_info].name +
-                               ", " + (rectified ? "rectified" : "model '" +
-                               info->distortion_model + "'"));
+    recording->notes.push_back(
+        "camera: " + bag.store->topics()[*bag.choice.camera_info].name + ", " +
+        (rectified ? "rectified" : "model '" + info->distortion_model + "'"));
   } catch (const InputError& error) {
     recording->warnings.push_back(std::string(error.what()) +
                                   ": camera not known; give it with a calibration");
@@ -255,8 +255,8 @@ void FindCamera(const Opened& bag, const std::optional<CameraInfoMessage>& info,
 void DescribeScans(const Opened& bag, const PointsMessage& first, Recording* recording) {
   recording->notes.push_back("scans: " + DescribeTopic(bag.scans->topic()) + ", frame '" +
                              first.header.frame_id + "', " + std::to_string(first.scan.height) +
-                             " x " + std::to_string(first.scan.width) + " points: " +
-                             DescribeFields(first.fields));
+                             " x " + std::to_string(first.scan.width) +
+                             " points: " + DescribeFields(first.fields));
 }
 
 // Images with their camera and its place.
@@ -300,8 +300,7 @@ Recording OpenBag(const std::string& path, const BagOptions& options) {
   CompareClocks(bag, &recording);
   const MessageKind kind = KindOfType(bag.scans->topic().type);
   const auto decode = [kind](const StoredMessage& m) { return DecodePointsMessage(kind, m); };
-  const std::optional<PointsMessage> first =
-      FirstReadable(*bag.scans, decode, &recording.warnings);
+  const std::optional<PointsMessage> first = FirstReadable(*bag.scans, decode, &recording.warnings);
   if (first) DescribeScans(bag, *first, &recording);
   if (bag.images) OpenImages(bag, first ? first->header.frame_id : "", &recording);
   recording.scans = std::make_unique<BagScans>(bag.scans);

@@ -105,8 +105,8 @@ void SourceCursor::CheckLeft(uint64_t bytes) const {
 
 const uint8_t* SourceCursor::Peek(size_t bytes) {
   CheckLeft(bytes);
-  const bool inside = position_ >= window_begin_ &&
-                      position_ + bytes <= window_begin_ + window_.size();
+  const bool inside =
+      position_ >= window_begin_ && position_ + bytes <= window_begin_ + window_.size();
   if (!inside) {
     const uint64_t ahead = std::min<uint64_t>(std::max(bytes, window_bytes_), remaining());
     window_.resize(ahead);

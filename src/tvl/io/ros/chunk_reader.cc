@@ -12,7 +12,7 @@ namespace {
 // for the few threads that read.
 constexpr size_t kMostCachedChunks = 8;
 // All cached chunks together; recorders make chunks of 1 to 4 MiB, so that this is rarely reached.
-constexpr size_t kMostCachedBytes = size_t{1} << 26;
+constexpr size_t kMostCachedBytes = size_t{1} << 25;
 
 }  // namespace
 

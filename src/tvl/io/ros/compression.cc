@@ -12,9 +12,13 @@
 namespace tvl {
 namespace {
 
-// Stored bytes are read and output grows in steps of this size: large enough to cost little, small
-// enough that the start of a chunk is had without the rest.
+// Stored bytes are read in steps of this size: large enough to cost little, small enough that the
+// start of a chunk is had without the rest.
 constexpr size_t kStepBytes = size_t{1} << 16;
+// The output grows in steps of this size, without being moved up to a compression by this ratio,
+// which points and images do not reach.
+constexpr uint64_t kGrowthBytes = uint64_t{1} << 20;
+constexpr uint64_t kUsualRatio = 16;
 
 struct Step {
   size_t read = 0, written = 0;
@@ -141,17 +145,17 @@ Inflated Inflate(const ByteSource& source, uint64_t offset, uint64_t stored_byte
   Inflated inflated;
   const std::unique_ptr<Inflater> inflater = MakeInflater(compression);
   SourceCursor cursor(source, offset, offset + stored_bytes, kStepBytes);
+  inflated.bytes.reserve(std::min(most_bytes, kUsualRatio * stored_bytes + kGrowthBytes));
   size_t written = 0;
   bool stuck = false;
   while (written < most_bytes && inflated.error.empty()) {
     if (inflated.bytes.size() == written) {
-      const uint64_t more = std::max<uint64_t>(kStepBytes, written);  // doubles
-      inflated.bytes.resize(std::min(most_bytes, written + more));
+      inflated.bytes.resize(std::min<uint64_t>(most_bytes, written + kGrowthBytes));
     }
     const size_t in_bytes = std::min<uint64_t>(kStepBytes, cursor.remaining());
-    const Step step = inflater->Run(cursor.Peek(in_bytes), in_bytes,
-                                    inflated.bytes.data() + written,
-                                    inflated.bytes.size() - written);
+    const Step step =
+        inflater->Run(cursor.Peek(in_bytes), in_bytes, inflated.bytes.data() + written,
+                      inflated.bytes.size() - written);
     cursor.Skip(step.read);
     written += step.written;
     // Once without progress may be the library's own business, twice is the end.

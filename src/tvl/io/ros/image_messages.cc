@@ -135,8 +135,8 @@ std::optional<uint64_t> PixelsOf(const uint8_t* data, size_t bytes) {
       k += marker == 0xFF ? 1 : 2;  // fill bytes, and markers that stand alone
       continue;
     }
-    const bool frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 &&
-                       marker != 0xCC;
+    const bool frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (frame) return uint64_t{BigEndian(data + k + 5, 2)} * BigEndian(data + k + 7, 2);
     k += 2 + BigEndian(data + k + 2, 2);
   }

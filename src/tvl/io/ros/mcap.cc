@@ -69,7 +69,9 @@ MessageEncoding EncodingOf(const std::string& message_encoding) {
   return MessageEncoding::kOther;
 }
 
-Timestamp TakeTime(WireReader* reader) { return {static_cast<int64_t>(reader->Number<uint64_t>())}; }
+Timestamp TakeTime(WireReader* reader) {
+  return {static_cast<int64_t>(reader->Number<uint64_t>())};
+}
 
 }  // namespace
 
@@ -121,8 +123,9 @@ void Mcap::OpenBySummary() {
 
 // Chunks that overlap would let a small file announce any number of messages.
 void Mcap::CheckChunkEntries() {
-  std::sort(chunk_entries_.begin(), chunk_entries_.end(),
-            [](const ChunkEntry& a, const ChunkEntry& b) { return a.index_offset < b.index_offset; });
+  std::sort(
+      chunk_entries_.begin(), chunk_entries_.end(),
+      [](const ChunkEntry& a, const ChunkEntry& b) { return a.index_offset < b.index_offset; });
   uint64_t end = 0;
   for (const ChunkEntry& entry : chunk_entries_) {
     const uint64_t begin = chunks_.chunk(entry.chunk).offset;
@@ -169,8 +172,8 @@ void Mcap::AddChannel(WireReader* record) {
   const auto schema = schemas_.find(record->Number<uint16_t>());
   std::string topic = record->String();
   const MessageEncoding encoding = EncodingOf(record->String());
-  channels_.Add(id, {std::move(topic), schema == schemas_.end() ? "" : schema->second.name,
-                     encoding, {}});
+  channels_.Add(
+      id, {std::move(topic), schema == schemas_.end() ? "" : schema->second.name, encoding, {}});
 }
 
 Mcap::ChunkEntry Mcap::ReadChunkIndex(WireReader* record) {
@@ -255,8 +258,7 @@ void Mcap::ScanFile(const std::string& why) {
   channels_ = TopicList();
   schemas_.clear(), chunk_entries_.clear(), chunks_.Clear();
   chunks_.Add({0, source_->size(), source_->size(), Compression::kNone});
-  warnings_.push_back(why +
-                      "; scanned from start to end ('mcap recover' mends it)");
+  warnings_.push_back(why + "; scanned from start to end ('mcap recover' mends it)");
   SourceCursor cursor(*source_, kMagic.size(), source_->size(), kSmallWindowBytes);
   try {
     ScanRecords(&cursor, kWholeFile);
@@ -331,8 +333,8 @@ void Mcap::ScanChunk(SourceCursor* cursor, uint64_t bytes) {
   } catch (const InputError& error) {
     warnings_.push_back(std::string(error.what()) + "; what comes before it is used");
   }
-  TVL_CHECK_INPUT(bytes >= offset - begin) << source_->name() << ": byte " << begin
-                                           << ": damaged chunk";
+  TVL_CHECK_INPUT(bytes >= offset - begin)
+      << source_->name() << ": byte " << begin << ": damaged chunk";
   cursor->Skip(bytes - (offset - begin));
 }
 
@@ -365,8 +367,8 @@ MessageBytes Mcap::ReadStart(const MessageLocation& location, size_t bytes) cons
 
 std::string Mcap::Describe() const {
   const bool chunked = chunks_.size() > 1;
-  return "MCAP file, " +
-         (chunked ? "chunk compression " + chunks_.CompressionNames(kWholeFile + 1) : std::string("no chunks"));
+  return "MCAP file, " + (chunked ? "chunk compression " + chunks_.CompressionNames(kWholeFile + 1)
+                                  : std::string("no chunks"));
 }
 
 }  // namespace tvl

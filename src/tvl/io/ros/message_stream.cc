@@ -52,8 +52,10 @@ std::vector<std::shared_ptr<MessageStream>> OpenStreams(
     streams.push_back(std::make_shared<MessageStream>(store, topics[k], messages[k], file));
   }
   const std::vector<MessageStream::Position> order = MessageStream::ByPlace(streams);
-  const int threads = static_cast<int>(std::thread::hardware_concurrency());
-  const Executor executor(std::clamp(threads, 1, kMostThreads));
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  const auto tasks =
+      static_cast<int>(std::min(order.size() / kMessagesATime, size_t{kMostThreads}));
+  const Executor executor(std::clamp(std::min(cores, tasks), 1, kMostThreads));
   executor.For(order.size(), kMessagesATime, [&order](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) order[k].stream->ReadStamp(order[k].index);
   });

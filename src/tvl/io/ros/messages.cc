@@ -52,10 +52,11 @@ void SetDistortion(const CameraInfoMessage& info, const std::string& source, Cam
   TVL_CHECK_INPUT(used > 0) << source << ": distortion model '" << name.substr(0, 64)
                             << "' is not known (plumb_bob, rational_polynomial, equidistant are)";
   // Beyond the model's own there may be coefficients of a thin prism and a tilt, mostly zero.
-  TVL_CHECK_INPUT(info.D.size() <= used ||
-                  std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(used), info.D.end(), zero))
-      << source << ": " << info.D.size() << " coefficients of '" << name << "', of which "
-      << used << " are understood";
+  TVL_CHECK_INPUT(
+      info.D.size() <= used ||
+      std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(used), info.D.end(), zero))
+      << source << ": " << info.D.size() << " coefficients of '" << name << "', of which " << used
+      << " are understood";
   std::copy_n(info.D.begin(), std::min(used, info.D.size()), camera->distortion.begin());
 }
 

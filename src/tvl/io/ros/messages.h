@@ -55,10 +55,10 @@ struct CameraInfoMessage {
   MessageHeader header;
   uint32_t height_px = 0, width_px = 0;  // of the full image, before binning and region of interest
   std::string distortion_model;
-  std::vector<double> D;          // coefficients, as the model orders them
+  std::vector<double> D;           // coefficients, as the model orders them
   std::array<double, 9> K{}, R{};  // row-major; R turns the camera frame to the rectified one
-  std::array<double, 12> P{};     // projection of the rectified camera, row-major
-  uint32_t binning_x = 0, binning_y = 0;  // 0 means 1
+  std::array<double, 12> P{};      // projection of the rectified camera, row-major
+  uint32_t binning_x = 0, binning_y = 0;                         // 0 means 1
   uint32_t roi_x = 0, roi_y = 0, roi_height = 0, roi_width = 0;  // 0 by 0: the full image
 };
 

@@ -78,8 +78,8 @@ PointsMessage DecodeLivox(const StoredMessage& message) {
   table.point_step = cdr ? kLivoxStepCdrBytes : kLivoxPointBytes;
   table.width = reader.Count(kLivoxPointBytes);
   table.big_endian = reader.big_endian();
-  table.fields = {{"offset_time", 0, NumberType::kUint32, 1}, {"x", 4, NumberType::kFloat32, 1},
-                  {"y", 8, NumberType::kFloat32, 1},          {"z", 12, NumberType::kFloat32, 1},
+  table.fields = {{"offset_time", 0, NumberType::kUint32, 1},  {"x", 4, NumberType::kFloat32, 1},
+                  {"y", 8, NumberType::kFloat32, 1},           {"z", 12, NumberType::kFloat32, 1},
                   {"reflectivity", 16, NumberType::kUint8, 1}, {"tag", 17, NumberType::kUint8, 1},
                   {"line", 18, NumberType::kUint8, 1}};
   // The last point has no padding behind it: the copy has.

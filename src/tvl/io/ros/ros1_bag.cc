@@ -210,8 +210,7 @@ void Ros1Bag::ReadIndex(const ChunkEntry& entry, const Wanted& wanted) const {
       const uint64_t offset = reader.Number<uint32_t>();
       TVL_CHECK_INPUT(offset < chunks_.chunk(entry.chunk).inflated_bytes)
           << chunks_.Place(entry.chunk, offset) << ": the index names a message beyond the chunk";
-      target->second->push_back(
-          {{seconds * 1'000'000'000 + nanoseconds}, offset, entry.chunk, 0});
+      target->second->push_back({{seconds * 1'000'000'000 + nanoseconds}, offset, entry.chunk, 0});
     }
   }
 }
@@ -248,8 +247,8 @@ MessageIndex Ros1Bag::Index(const std::vector<size_t>& topics) const {
 
 MessageBytes Ros1Bag::Message(const MessageLocation& location, const MessageBytes& start,
                               bool start_only) const {
-  const auto memory = MemorySource(chunks_.Place(location.block, location.offset), start.data,
-                                   start.size);
+  const auto memory =
+      MemorySource(chunks_.Place(location.block, location.offset), start.data, start.size);
   SourceCursor cursor(*memory, 0, start.size, start.size);
   const Ros1Record record = ReadRos1Record(&cursor);
   TVL_CHECK_INPUT(record.fields.Op() == Ros1Op::kMessage)
@@ -269,8 +268,8 @@ MessageBytes Ros1Bag::Read(const MessageLocation& location) const {
 
 MessageBytes Ros1Bag::ReadStart(const MessageLocation& location, size_t bytes) const {
   MessageBytes start = Message(
-      location,
-      chunks_.ReadUpTo(location.block, location.offset, bytes + kMessageStartBytes, true), true);
+      location, chunks_.ReadUpTo(location.block, location.offset, bytes + kMessageStartBytes, true),
+      true);
   start.size = std::min(start.size, bytes);
   return start;
 }

@@ -55,8 +55,7 @@ Ros1Record ReadRos1Record(SourceCursor* cursor) {
   const uint64_t begin = cursor->position();
   const uint32_t header_bytes = TakeLength(cursor);
   TVL_CHECK_INPUT(header_bytes <= kMostHeaderBytes)
-      << name << ": byte " << begin << ": a record header of " << header_bytes
-      << " bytes: damaged";
+      << name << ": byte " << begin << ": a record header of " << header_bytes << " bytes: damaged";
   Ros1Fields fields(cursor->Take(header_bytes), header_bytes,
                     name + ": byte " + std::to_string(begin));
   const uint32_t data_bytes = TakeLength(cursor);

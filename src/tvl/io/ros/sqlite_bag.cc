@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "tvl/base/check.h"
+#include "tvl/io/ros/byte_source.h"
 #include "tvl/io/ros/topic_list.h"
 
 namespace tvl {
@@ -68,12 +69,14 @@ SqliteBag::SqliteBag(const std::string& path) : path_(path) {
   try {
     Open(false);
     ReadTopics();
+    CheckSize();
   } catch (const InputError&) {
     // Cut off, or with a journal that cannot be used in a folder that cannot be written.
     topics_.clear(), ids_.clear();
     Open(true);
     ReadTopics();
-    warnings_.push_back(path + ": the database is damaged, cut off or was not closed; what can be "
+    warnings_.push_back(path +
+                        ": the database is damaged, cut off or was not closed; what can be "
                         "read of it is used ('sqlite3 FILE .recover' may mend it)");
   }
 }
@@ -96,17 +99,18 @@ void SqliteBag::Open(bool damaged) {
 }
 
 void SqliteBag::ReadTopics() {
-  const Statement statement =
-      Prepare(database_.get(), "SELECT id, name, type, serialization_format FROM topics "
-              "ORDER BY name, type, id", path_);
+  const Statement statement = Prepare(database_.get(),
+                                      "SELECT id, name, type, serialization_format FROM topics "
+                                      "ORDER BY name, type, id",
+                                      path_);
   while (sqlite3_step(statement.get()) == SQLITE_ROW) {
     ids_.push_back(sqlite3_column_int64(statement.get(), 0));
     const bool cdr = Text(statement.get(), 3) == "cdr";
     topics_.push_back({Text(statement.get(), 1), Text(statement.get(), 2),
                        cdr ? MessageEncoding::kCdr : MessageEncoding::kOther, 0});
   }
-  const Statement messages = Prepare(
-      database_.get(), "SELECT id, topic_id, timestamp FROM messages ORDER BY id", path_);
+  const Statement messages =
+      Prepare(database_.get(), "SELECT id, topic_id, timestamp FROM messages ORDER BY id", path_);
   messages_.assign(topics_.size(), {});
   int status = SQLITE_ROW;
   while ((status = sqlite3_step(messages.get())) == SQLITE_ROW) {
@@ -122,6 +126,19 @@ void SqliteBag::ReadTopics() {
   for (const std::vector<MessageLocation>& topic : messages_) count += topic.size();
   warnings_.push_back(path_ + ": the table of messages ends early after " + std::to_string(count) +
                       " messages: " + sqlite3_errmsg(database_.get()));
+}
+
+// The header tells the number of pages, which SQLite itself does not always compare.
+void SqliteBag::CheckSize() {
+  const std::unique_ptr<ByteSource> source = OpenFileSource(path_);
+  const std::vector<uint8_t> header = source->Read(0, uint64_t{32});
+  const uint64_t page_bytes = header[16] * 256U + header[17];  // 1 stands for 65536
+  const uint64_t pages =
+      (uint64_t{header[28]} << 24U) + (header[29] << 16U) + (header[30] << 8U) + header[31];
+  const uint64_t bytes = pages * (page_bytes == 1 ? 65536 : page_bytes);
+  if (bytes <= source->size()) return;
+  warnings_.push_back(path_ + ": byte " + std::to_string(source->size()) + ": cut off, " +
+                      std::to_string(bytes) + " bytes by its header");
 }
 
 MessageIndex SqliteBag::Index(const std::vector<size_t>& topics) const {

@@ -40,11 +40,12 @@ class SqliteBag : public MessageStore {
 
   void Open(bool damaged);
   void ReadTopics();
+  void CheckSize();
   MessageBytes ReadBlob(const MessageLocation& location, size_t most_bytes) const;
 
   std::string path_;
   std::vector<MessageTopic> topics_;
-  std::vector<int64_t> ids_;  // of the topics
+  std::vector<int64_t> ids_;                            // of the topics
   std::vector<std::vector<MessageLocation>> messages_;  // of the topics
   std::vector<std::string> warnings_;
   mutable std::mutex mutex_;  // one statement at a time

@@ -34,8 +34,8 @@ bool IsImageTopic(const MessageTopic& topic) {
 
 // The topic that the image transport calls the raw one.
 std::string BaseOf(const MessageTopic& topic) {
-  const bool twin = KindOf(topic) == MessageKind::kCompressedImage &&
-                    EndsWith(topic.name, kCompressedSuffix);
+  const bool twin =
+      KindOf(topic) == MessageKind::kCompressedImage && EndsWith(topic.name, kCompressedSuffix);
   return twin ? topic.name.substr(0, topic.name.size() - kCompressedSuffix.size()) : topic.name;
 }
 
@@ -76,8 +76,8 @@ size_t ChooseLidar(const std::vector<MessageTopic>& topics, const std::string& w
     const auto named = std::find_if(found.begin(), found.end(),
                                     [&](size_t k) { return topics[k].name == wanted; });
     TVL_CHECK_INPUT(named != found.end())
-        << source << ": --lidar-topic " << wanted << " is no topic with scans; these are:"
-        << List(topics, found);
+        << source << ": --lidar-topic " << wanted
+        << " is no topic with scans; these are:" << List(topics, found);
     return *named;
   }
   TVL_CHECK_INPUT(!found.empty())
@@ -86,8 +86,8 @@ size_t ChooseLidar(const std::vector<MessageTopic>& topics, const std::string& w
                   : "")
       << "; topics:" << List(topics, All(topics));
   TVL_CHECK_INPUT(found.size() == 1)
-      << source << ": several topics with scans; choose one with --lidar-topic:"
-      << List(topics, found);
+      << source
+      << ": several topics with scans; choose one with --lidar-topic:" << List(topics, found);
   return found.front();
 }
 
@@ -101,9 +101,9 @@ size_t NamedImage(const std::vector<MessageTopic>& topics, const std::string& wa
     // The raw topic's name stands for its twin where only that was recorded.
     if (topics[k].name == wanted || (!named && BaseOf(topics[k]) == wanted)) named = k;
   }
-  TVL_CHECK_INPUT(named.has_value()) << source << ": --image-topic " << wanted
-                                     << " is no topic with images; these are:"
-                                     << List(topics, images);
+  TVL_CHECK_INPUT(named.has_value())
+      << source << ": --image-topic " << wanted
+      << " is no topic with images; these are:" << List(topics, images);
   return *named;
 }
 
@@ -122,8 +122,8 @@ std::optional<size_t> FindImage(const std::vector<MessageTopic>& topics,
   }
   if (!with_info.empty()) found = with_info;
   TVL_CHECK_INPUT(found.size() <= 1)
-      << source << ": several topics with images; choose one with --image-topic:"
-      << List(topics, found);
+      << source
+      << ": several topics with images; choose one with --image-topic:" << List(topics, found);
   return found.empty() ? std::nullopt : std::optional<size_t>(found.front());
 }
 
@@ -137,9 +137,9 @@ std::string DescribeTopic(const MessageTopic& topic) {
 
 bool IsRectifiedTopic(const std::string& image_topic) {
   const std::string_view name = image_topic;
-  const std::string_view raw =
-      EndsWith(name, kCompressedSuffix) ? name.substr(0, name.size() - kCompressedSuffix.size())
-                                        : name;
+  const std::string_view raw = EndsWith(name, kCompressedSuffix)
+                                   ? name.substr(0, name.size() - kCompressedSuffix.size())
+                                   : name;
   return raw.substr(raw.rfind('/') + 1).find("rect") != std::string_view::npos;
 }
 

@@ -40,8 +40,8 @@ TEST(TopicChoice, ImagesWithoutCameraInfoGiveWay) {
 
 TEST(TopicChoice, SeveralAreListedWithTheOption) {
   const std::vector<MessageTopic> topics = {
-      Topic("/front/points", "PointCloud2"), Topic("/left/camera_info", "CameraInfo"),
-      Topic("/left/image", "Image", 7),      Topic("/rear/points", "PointCloud2"),
+      Topic("/front/points", "PointCloud2"),     Topic("/left/camera_info", "CameraInfo"),
+      Topic("/left/image", "Image", 7),          Topic("/rear/points", "PointCloud2"),
       Topic("/right/camera_info", "CameraInfo"), Topic("/right/image", "Image")};
   const std::string lidars = TextOfError(topics, {});
   EXPECT_THAT(lidars, HasSubstr("--lidar-topic"));

@@ -33,9 +33,9 @@ TEST(WireReader, ReadsRos1WithoutPadding) {
 }
 
 TEST(WireReader, CdrAlignsFromTheEndOfItsHeader) {
-  const std::vector<uint8_t> bytes = {0, 1, 0, 0, 9, 0, 0, 0, 1, 2, 0, 0,   // uint8, uint32
-                                      0, 0, 0, 0, 0, 0, 0, 64,              // double 2.0
-                                      3, 0, 0, 0, 'a', 'b', 0};             // text
+  const std::vector<uint8_t> bytes = {0, 1, 0, 0, 9,   0,   0, 0,  1, 2, 0, 0,  // uint8, uint32
+                                      0, 0, 0, 0, 0,   0,   0, 64,              // double 2.0
+                                      3, 0, 0, 0, 'a', 'b', 0};                 // text
   WireReader reader(bytes.data(), bytes.size(), MessageEncoding::kCdr, "bag");
   EXPECT_EQ(reader.Number<uint8_t>(), 9);
   EXPECT_EQ(reader.Number<uint32_t>(), 0x0201U);
@@ -57,9 +57,7 @@ TEST(WireReader, EndsAreErrorsThatNameTheByte) {
   reader.Number<uint8_t>();
   EXPECT_THAT(TextOfError([&] { reader.Number<uint32_t>(); }), HasSubstr("a.bag: byte 1"));
   const std::vector<uint8_t> odd = {9, 9, 9, 9};
-  EXPECT_THAT(TextOfError([&] {
-                WireReader(odd.data(), odd.size(), MessageEncoding::kCdr, "a");
-              }),
+  EXPECT_THAT(TextOfError([&] { WireReader(odd.data(), odd.size(), MessageEncoding::kCdr, "a"); }),
               HasSubstr("plain CDR"));
 }
 
