@@ -132,9 +132,13 @@ void SqliteBag::ReadTopics() {
 void SqliteBag::CheckSize() {
   const std::unique_ptr<ByteSource> source = OpenFileSource(path_);
   const std::vector<uint8_t> header = source->Read(0, uint64_t{32});
-  const uint64_t page_bytes = header[16] * 256U + header[17];  // 1 stands for 65536
-  const uint64_t pages =
-      (uint64_t{header[28]} << 24U) + (header[29] << 16U) + (header[30] << 8U) + header[31];
+  const auto big_endian = [&header](size_t begin, size_t count) {
+    uint64_t value = 0;
+    for (size_t k = begin; k < begin + count; ++k) value = value << 8U | header[k];
+    return value;
+  };
+  const uint64_t page_bytes = big_endian(16, 2);  // 1 stands for 65536
+  const uint64_t pages = big_endian(28, 4);
   const uint64_t bytes = pages * (page_bytes == 1 ? 65536 : page_bytes);
   if (bytes <= source->size()) return;
   warnings_.push_back(path_ + ": byte " + std::to_string(source->size()) + ": cut off, " +
