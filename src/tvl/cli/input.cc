@@ -20,6 +20,19 @@ std::unique_ptr<Dataset> OpenSimulation(const std::string& spec) {
 #endif
 }
 
+// What the user says of the lidar, or the profiles to choose from.
+LayoutHints HintsOf(const InputOptions& options) {
+  LayoutHints hints;
+  if (!options.profile.empty()) {
+    hints.lidar = LoadProfile(options.profile);
+    hints.is_given_by_user = hints.lidar.rows() > 0;
+    return hints;
+  }
+  hints.lidar = LoadProfile("kitti");
+  for (const std::string& name : ProfileNames()) hints.profiles.push_back(LoadProfile(name));
+  return hints;
+}
+
 }  // namespace
 
 std::optional<Deskew> ParseDeskew(const std::string& text) {
@@ -37,12 +50,12 @@ std::unique_ptr<Dataset> OpenInput(const std::string& spec, const InputOptions& 
     setup.lidar = LoadProfile(options.profile);
     return std::make_unique<ReconfiguredDataset>(std::move(simulation), std::move(setup));
   }
-  const LidarModel lidar = LoadProfile(options.profile.empty() ? "kitti" : options.profile);
   KittiOptions kitti;
+  kitti.recognise = HintsOf(options);
   kitti.camera = options.camera;
   kitti.first_frame = options.first_frame;
   kitti.require_first_scan = options.require_first_scan;
-  return std::make_unique<KittiDataset>(spec, lidar, kitti);
+  return std::make_unique<KittiDataset>(spec, kitti.recognise->lidar, kitti);
 }
 
 }  // namespace tvl

@@ -150,6 +150,7 @@ void PrintCalibration(const SensorSetup& setup, std::ostream& out) {
 }
 
 void PrintFaults(const SensorSetup& setup, const InspectReport& report, std::ostream& out) {
+  for (const std::string& note : setup.notes) out << "  recognised " << note << "\n";
   for (const std::string& warning : setup.warnings) out << "  warning    " << warning << "\n";
   for (const auto& [kind, faults] : report.faults) {
     out << "  fault      " << kind << ": " << faults.count << "\n";

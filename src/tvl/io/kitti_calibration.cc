@@ -33,16 +33,15 @@ std::string RowMajor(const Eigen::MatrixXd& m) {
   return out.str();
 }
 
-// Checked to be a rigid motion.
-Rigid3d RigidOf(const Matrix34d& m, const std::string& where) {
+}  // namespace
+
+Rigid3d RigidOfMatrix(const Matrix34d& m, const std::string& where) {
   const Eigen::Matrix3d R = m.leftCols<3>();
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   TVL_CHECK_INPUT(error < kOrthonormalTolerance && R.determinant() > 0.0)
       << where << ": not a rotation (R^T R is off identity by " << error << ")";
   return Rigid3d::FromMatrix(m);
 }
-
-}  // namespace
 
 KittiCalibration ReadOdometryCalibration(const std::string& path) {
   const KeyedNumbers file(path);
@@ -53,7 +52,7 @@ KittiCalibration ReadOdometryCalibration(const std::string& path) {
     if (file.Has(key)) kitti.P[n] = Matrix34Of(file.Get(key, 12));
   }
   const std::string key = file.Has("Tr_velo_to_cam") ? "Tr_velo_to_cam" : "Tr";
-  kitti.T_cam0_lidar = RigidOf(Matrix34Of(file.Get(key, 12)), path + ": " + key);
+  kitti.T_cam0_lidar = RigidOfMatrix(Matrix34Of(file.Get(key, 12)), path + ": " + key);
   return kitti;
 }
 
@@ -71,8 +70,8 @@ KittiCalibration ReadRawCalibration(const std::string& date_folder) {
   Matrix34d unrectified;
   unrectified.leftCols<3>() = Matrix33Of(velodyne.Get("R", 9));
   unrectified.col(3) = Eigen::Vector3d(velodyne.Get("T", 3).data());
-  kitti.rectification = RigidOf(rectification, cameras.path() + ": R_rect_00");
-  kitti.T_cam0_lidar = kitti.rectification * RigidOf(unrectified, velodyne.path() + ": R");
+  kitti.rectification = RigidOfMatrix(rectification, cameras.path() + ": R_rect_00");
+  kitti.T_cam0_lidar = kitti.rectification * RigidOfMatrix(unrectified, velodyne.path() + ": R");
   return kitti;
 }
 

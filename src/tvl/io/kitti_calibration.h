@@ -21,6 +21,10 @@ struct KittiCalibration {
   Rigid3d rectification;  // into rectified camera 0 from camera 0; of a raw drive
 };
 
+// The rigid motion that a 3x4 matrix of a calibration is. Throws InputError beginning with `where`
+// where its left 3x3 is no rotation.
+Rigid3d RigidOfMatrix(const Matrix34d& m, const std::string& where);
+
 // calib.txt of a sequence in the odometry layout: P0..P3, Tr (or Tr_velo_to_cam).
 // Throws InputError naming file, line and key.
 KittiCalibration ReadOdometryCalibration(const std::string& path);

@@ -59,6 +59,45 @@ Deskew DefaultDeskew(bool is_raw_layout, const cv::Size& image) {
   return is_raw_layout || image == kitti360 ? Deskew::kClockwise : Deskew::kNone;
 }
 
+// A scan of a .bin file as it is stored.
+RawScan AsStored(const LidarScan& scan) {
+  RawScan raw;
+  raw.points = scan.points;
+  raw.intensity = scan.intensity;
+  raw.width = raw.size();
+  return raw;
+}
+
+struct Recognised {
+  ScanLayout layout;
+  int turns = 0;  // most of a scan
+};
+
+// From the first usable scans. Empty if there are none.
+std::optional<Recognised> RecogniseScans(const std::vector<KittiFrameFiles>& frames,
+                                         const LayoutHints& hints) {
+  constexpr size_t kScans = 3, kTries = 20;
+  Recognised out;
+  std::vector<RawScan> scans;
+  std::vector<ScanSample> samples;
+  for (size_t i = 0; i < std::min(frames.size(), kTries) && scans.size() < kScans; ++i) {
+    if (frames[i].scan_path.empty()) continue;
+    const ScanRead read = ReadVelodyneBin(frames[i].scan_path, ScanExpectation());
+    if (read.scan != nullptr) scans.push_back(AsStored(*read.scan));
+    out.turns = std::max(out.turns, read.turns);
+  }
+  for (const RawScan& scan : scans) samples.push_back({&scan, Timestamp()});
+  if (samples.empty()) return std::nullopt;
+  out.layout = RecogniseLayout(samples, hints);
+  return out;
+}
+
+// Ring after ring from the topmost is how the stages take scans, as they are.
+bool IsPlain(const ScanLayout& layout) {
+  return layout.order == ScanOrder::kRingAfterRing && !layout.lowest_first &&
+         layout.metres_per_unit == 1.0;
+}
+
 SensorSetup SetupOf(const KittiLayout& layout, const LidarModel& lidar) {
   SensorSetup setup;
   setup.name = layout.name;
@@ -93,8 +132,11 @@ SensorSetup SetupOf(const KittiLayout& layout, const LidarModel& lidar) {
 KittiDataset::KittiDataset(const std::string& folder, const LidarModel& lidar,
                            const KittiOptions& options)
     : layout_(FindKittiLayout(folder, options.camera)) {
-  expectation_ = ExpectationFor(lidar, TypicalPoints(layout_.frames));
-  setup_ = SetupOf(layout_, lidar);
+  std::optional<Recognised> recognised;
+  if (options.recognise) recognised = RecogniseScans(layout_.frames, *options.recognise);
+  setup_ = SetupOf(layout_, recognised ? recognised->layout.lidar : lidar);
+  expectation_ = ExpectationFor(setup_.lidar, TypicalPoints(layout_.frames));
+  if (recognised) Use(recognised->layout, recognised->turns);
   if (!options.require_first_scan) return;
   TVL_CHECK_INPUT(options.first_frame < size())
       << folder << ": no frame " << options.first_frame << ", there are " << size();
@@ -104,6 +146,16 @@ KittiDataset::KittiDataset(const std::string& folder, const LidarModel& lidar,
       << folder << ": frame " << options.first_frame
       << " has no usable scan to begin with: " << fault->message << "; begin later, e.g. --frames "
       << options.first_frame + 1 << ":, or mend it";
+}
+
+void KittiDataset::Use(const ScanLayout& layout, int turns) {
+  setup_.notes = layout.notes;
+  for (const std::string& warning : layout.warnings) setup_.warnings.push_back(warning);
+  if (!IsPlain(layout)) scan_layout_ = layout;
+  // Turns tell whether a scan is whole only where it goes all round, and its end only where the
+  // lowest ring comes last.
+  const bool goes_round = turns + 1 >= expectation_.min_ring_share * expectation_.rings;
+  if (scan_layout_ || !goes_round) expectation_.rings = 0;
 }
 
 SensorFrame KittiDataset::Frame(size_t index) const {
@@ -119,6 +171,10 @@ SensorFrame KittiDataset::Frame(size_t index) const {
   } else {
     ScanRead read = ReadVelodyneBin(files.scan_path, expectation_);
     frame.scan = read.scan;
+    if (scan_layout_ && frame.scan != nullptr) {
+      frame.scan = std::make_shared<const LidarScan>(
+          ApplyLayout(AsStored(*frame.scan), *scan_layout_, frame.stamp));
+    }
     AddFaults(std::move(read.faults), &frame);
   }
   if (setup_.has_camera && files.image_path.empty()) {

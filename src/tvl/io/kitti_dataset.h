@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tvl/io/kitti_layout.h"
 #include "tvl/io/velodyne_bin.h"
+#include "tvl/lidar/scan_layout.h"
 #include "tvl/sensor/dataset.h"
 
 namespace tvl {
@@ -18,10 +20,14 @@ struct KittiOptions {
   size_t first_frame = 0;
   // Off for looking at broken folders.
   bool require_first_scan = true;
+  // How the points are stored is found out from the first scans, and whether they are of a lidar
+  // there is a profile of. Empty: they are stored ring after ring by the lidar given.
+  std::optional<LayoutHints> recognise;
 };
 
 // Frame(k) reads from the disk each time; const and thread-safe. What is wrong with a frame comes
-// as its faults. Rings are left empty: .bin files have none, they are recovered from the order.
+// as its faults. Rings are left empty where points are stored ring after ring: they are recovered
+// from the order.
 class KittiDataset : public Dataset {
  public:
   // Throws InputError naming the folder, file or frame if the input is unusable from the start.
@@ -37,8 +43,13 @@ class KittiDataset : public Dataset {
   const KittiLayout& layout() const { return layout_; }
 
  private:
+  // `turns`: of the azimuth in a whole scan.
+  void Use(const ScanLayout& layout, int turns);
+
   KittiLayout layout_;
   ScanExpectation expectation_;
+  // Empty: as stored ring after ring, topmost first, each scan's rings are found where it is used.
+  std::optional<ScanLayout> scan_layout_;
   SensorSetup setup_;
 };
 

@@ -58,6 +58,13 @@ LidarModel WithKey(LidarModel model, const std::string& key, const YAML::Node& v
     TVL_CHECK_INPUT(model.beam_elevation_rad.empty()) << where << ": the beams are given twice";
     model.beam_elevation_rad =
         key == "beam_blocks_deg" ? BeamBlocks(value, where) : BeamList(value, where);
+  } else if (key == "rows") {
+    const auto rows = As<std::string>(value, where);
+    TVL_CHECK_INPUT(rows == "beams" || rows == "slices")
+        << where << ": want beams or slices, is '" << rows << "'";
+    model.rows_are_beams = rows == "beams";
+  } else if (key == "ring_start_azimuth_deg") {
+    model.ring_start_azimuth_rad = DegToRad(As<double>(value, where));
   } else if (key == "columns") {
     model.columns = As<int>(value, where);
   } else if (key == "sweep_s") {

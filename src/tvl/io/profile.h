@@ -4,6 +4,9 @@
 //     name: HDL-64E
 //     beam_blocks_deg: [[2.0, -8.33, 32], ...]  # first, last, count: evenly spaced, topmost first
 //     beam_elevation_deg: [15, 13, ...]         # or each beam, topmost first; neither: unknown
+//     rows: beams                               # or slices: of equal elevation, for lidars whose
+//                                               # points do not lie on rings
+//     ring_start_azimuth_deg: 0                 # where rings begin in files stored ring after ring
 //     columns: 2048                             # of the range image, over 360 degrees
 //     sweep_s: 0.1                              # one revolution
 //     range_sigma_m: 0.02

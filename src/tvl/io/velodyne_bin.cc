@@ -55,15 +55,18 @@ LidarScan Decode(const std::vector<char>& bytes) {
   return scan;
 }
 
-// Median elevation of the last points, rad.
+// Median elevation of the last points with a return, rad.
 double EndElevation_rad(const LidarScan& scan) {
-  const size_t n = std::min<size_t>(scan.size(), 100);
+  constexpr size_t kPoints = 100;
+  constexpr float kNoReturn_m = 0.1F;  // files may be filled up with zeros
   std::vector<float> elevations_rad;
-  for (size_t i = scan.size() - n; i < scan.size(); ++i) {
-    const Eigen::Vector3f& p = scan.points[i];
-    elevations_rad.push_back(std::atan2(p.z(), p.head<2>().norm()));
+  for (size_t i = scan.size(); i > 0 && elevations_rad.size() < kPoints; --i) {
+    const Eigen::Vector3f& p = scan.points[i - 1];
+    if (p.norm() > kNoReturn_m) elevations_rad.push_back(std::atan2(p.z(), p.head<2>().norm()));
   }
-  const auto middle = elevations_rad.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  if (elevations_rad.empty()) return 0.0;
+  const auto middle =
+      elevations_rad.begin() + static_cast<std::ptrdiff_t>(elevations_rad.size() / 2);
   std::nth_element(elevations_rad.begin(), middle, elevations_rad.end());
   return static_cast<double>(*middle);
 }
@@ -93,9 +96,12 @@ std::string Truncation(const LidarScan& scan, int turns, const ScanExpectation& 
 int CountAzimuthTurns(const std::vector<Eigen::Vector3f>& points) {
   // Winding number about the z axis: signed crossings of the half plane y = 0, x > 0.
   int turns = 0;
+  size_t last = 0;
   for (size_t i = 1; i < points.size(); ++i) {
-    const Eigen::Vector3f& a = points[i - 1];
+    if (points[i].isZero()) continue;  // no return
+    const Eigen::Vector3f& a = points[last];
     const Eigen::Vector3f& b = points[i];
+    last = i;
     const bool a_left = a.y() >= 0.0F, b_left = b.y() >= 0.0F;
     if (a_left == b_left) continue;
     const float cross = a.x() * b.y() - a.y() * b.x();

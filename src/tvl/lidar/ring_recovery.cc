@@ -41,10 +41,10 @@ RingAssignment DropStump(RingAssignment out) {
 }
 
 // Turn number of each point, from 0, in `row`, and how many there are in `rings_found`.
-RingAssignment CountTurns(const ScanGeometry& geometry, const RingRecoveryOptions& options,
-                          RingAssignment out) {
+RingAssignment CountTurns(const ScanGeometry& geometry, double start_azimuth_rad,
+                          const RingRecoveryOptions& options, RingAssignment out) {
   const float sense = StorageSense(geometry);
-  const float start = static_cast<float>(options.start_azimuth_rad);
+  const float start = static_cast<float>(start_azimuth_rad);
   const float tolerance = static_cast<float>(options.max_backstep_rad);
   const float min_range_m = static_cast<float>(options.min_range_m);
   int turn = 0;
@@ -118,6 +118,27 @@ RingAssignment UseGivenRings(const LidarScan& scan, const LidarModel& model, Rin
   return out;
 }
 
+// Row whose middle is nearest in elevation.
+RingAssignment SliceByElevation(const LidarScan& scan, const LidarModel& model,
+                                RingAssignment out) {
+  out.source = RingSource::kSlices;
+  out.rows = model.rows();
+  TVL_CHECK_INPUT(out.rows > 1) << "lidar '" << model.name << "': slices need two elevations";
+  const float top_rad = static_cast<float>(model.beam_elevation_rad.front());
+  const float rows_per_rad = static_cast<float>(out.rows - 1) /
+                             (top_rad - static_cast<float>(model.beam_elevation_rad.back()));
+  const float last = static_cast<float>(out.rows - 1);
+  out.row.resize(scan.size());
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    const float elevation_rad = FastAtan2(p.z(), std::sqrt(p.x() * p.x() + p.y() * p.y()));
+    const float row = (top_rad - elevation_rad) * rows_per_rad + 0.5F;
+    out.row[i] = static_cast<uint16_t>(row > 0.0F ? std::min(row, last) : 0.0F);
+  }
+  out.rings_found = out.rows;
+  return out;
+}
+
 void CheckStoredByRing(size_t points, int turns, const LidarModel& model) {
   const size_t most = static_cast<size_t>(turns) * 2 * static_cast<size_t>(model.columns);
   TVL_CHECK_INPUT(points <= most)
@@ -133,8 +154,6 @@ void CheckStoredByRing(size_t points, int turns, const LidarModel& model) {
 }  // namespace
 
 void RingRecoveryOptions::Check() const {
-  TVL_CHECK_INPUT(std::abs(start_azimuth_rad) <= kPi)
-      << "rings.start_azimuth_rad: want -pi..pi, is " << start_azimuth_rad;
   TVL_CHECK_INPUT(max_backstep_rad > 0.0 && max_backstep_rad < 1.0)
       << "rings.max_backstep_rad: want 0..1, is " << max_backstep_rad;
   TVL_CHECK_INPUT(min_range_m >= 0.0) << "rings.min_range_m: must not be negative";
@@ -145,8 +164,10 @@ RingAssignment RecoverRings(const LidarScan& scan, const ScanGeometry& geometry,
                             RingMemory* memory, RingAssignment reuse) {
   TVL_CHECK(geometry.range_m.size() == scan.size());
   TVL_CHECK(scan.ring.empty() || scan.ring.size() == scan.size());
+  if (!model.rows_are_beams) return SliceByElevation(scan, model, std::move(reuse));
   if (!scan.ring.empty()) return UseGivenRings(scan, model, std::move(reuse));
-  RingAssignment out = CountTurns(geometry, options, std::move(reuse));
+  RingAssignment out =
+      CountTurns(geometry, model.ring_start_azimuth_rad, options, std::move(reuse));
   CheckStoredByRing(scan.size(), out.rings_found, model);
   out.rows = model.rows() > 0 ? model.rows() : out.rings_found;
   out.source = RingSource::kOneToOne;

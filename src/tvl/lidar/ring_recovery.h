@@ -19,8 +19,6 @@
 namespace tvl {
 
 struct RingRecoveryOptions {
-  // Azimuth at which a stored ring starts; KITTI: straight ahead.
-  double start_azimuth_rad = 0.0;
   // Steps against the sense of storage up to this size stay within the ring: compensation for
   // motion moves nearby points back by up to 7 deg (KITTI odometry 00).
   double max_backstep_rad = 0.2;
@@ -34,6 +32,7 @@ enum class RingSource {
   kGiven,     // LidarScan::ring
   kOneToOne,  // as many rings found as the sensor has beams (or the beams are not known)
   kAligned,   // another number: assigned to rows by elevation, in order (see ring_alignment.h)
+  kSlices,    // the sensor has no beams: slices of equal elevation
 };
 
 struct RingAssignment {

@@ -242,6 +242,7 @@ json MakeRunReport(const RunResult& result, const RunContext& context) {
                  {"lidar_profile", context.setup.lidar.name},
                  {"camera", context.setup.has_camera},
                  {"warnings", context.setup.warnings},
+                 {"recognised", context.setup.notes},
                  {"threads", context.threads},
                  {"complete", !result.stopped},
                  {"options", ToJson(YAML::Load(context.options_yaml))},

@@ -25,6 +25,8 @@ struct SensorSetup {
   std::optional<uint64_t> seed;  // of simulated data
   // About the input as a whole (no images, files missing, ...): to be shown to the user once.
   std::vector<std::string> warnings;
+  // What was recognised of the recording (topics, order of the points, units), for reports.
+  std::vector<std::string> notes;
 };
 
 // A stream of frames, in order. Ends with an empty optional.

@@ -1,6 +1,7 @@
 #include "tvl/sensor/lidar_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tvl/base/check.h"
 
@@ -22,6 +23,8 @@ void LidarModel::Check() const {
   TVL_CHECK_INPUT(min_range_m >= 0.0 && max_range_m > min_range_m)
       << "lidar.min_range_m, lidar.max_range_m: want 0 <= min < max, are " << min_range_m << ", "
       << max_range_m;
+  TVL_CHECK_INPUT(std::abs(ring_start_azimuth_rad) < 3.1416)
+      << "lidar.ring_start_azimuth_deg: want -180..180";
   TVL_CHECK_INPUT(std::is_sorted(beam_elevation_rad.rbegin(), beam_elevation_rad.rend()))
       << "lidar.beam_elevation_deg: must fall from the topmost beam to the lowest";
 }

@@ -17,6 +17,14 @@ struct LidarModel {
   std::string name = "none";
   // Elevation of each beam, topmost first. Empty: rings come with the points.
   std::vector<double> beam_elevation_rad;
+  // False where the sensor has no beams that go round (a solid-state or non-repetitive lidar, a
+  // depth camera, a merged cloud), or where they cannot be told from one another: rows are then
+  // slices of equal elevation, whose middles are in beam_elevation_rad. Neighbours in a row need
+  // not be neighbours on a surface, so that features are sought in space, and a row has no error of
+  // its own.
+  bool rows_are_beams = true;
+  // Azimuth at which a ring begins where scans are stored ring after ring; KITTI: straight ahead.
+  double ring_start_azimuth_rad = 0.0;
   int columns = 2048;           // columns of the range image over 360 degrees
   double sweep_s = 0.1;         // time of a revolution; the stamp is its middle, facing +x
   double range_sigma_m = 0.02;  // noise of a range

@@ -181,7 +181,7 @@ void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame, const Rigid3
   MapStepPoints points = ThinForMapStep(tracked->cloud.planes.points, tracked->cloud.edges.points,
                                         options.source_voxel_m);
   for (const uint32_t i : points.plane_index) {
-    points.plane_beam.push_back(frame.features.less_flat[i].ring);
+    if (setup_.lidar.rows_are_beams) points.plane_beam.push_back(frame.features.less_flat[i].ring);
   }
   const PosePrior prior{T_odom_prior, tracked->odometry.covariance,
                         tracked->odometry.T_ref_body.t().norm()};

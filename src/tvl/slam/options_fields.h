@@ -67,7 +67,6 @@ void VisitFields(Visitor& visit, FeatureTrackerOptions& options) {
 
 template <typename Visitor>
 void VisitFields(Visitor& visit, RingRecoveryOptions& options) {
-  TVL_FIELD(start_azimuth_rad);
   TVL_FIELD(max_backstep_rad);
   TVL_FIELD(min_range_m);
 }
@@ -127,6 +126,15 @@ void VisitFields(Visitor& visit, LaserFeatureOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, PlanarPointOptions& options) {
+  TVL_FIELD(voxel_m);
+  TVL_FIELD(coarse_voxel_m);
+  TVL_FIELD(neighbourhood_m);
+  TVL_FIELD(min_neighbours);
+  TVL_FIELD(max_thickness_m);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, DepthOptions& options) {
   TVL_FIELD(half_height_gaps);
   TVL_FIELD(default_gap_rad);
@@ -163,6 +171,7 @@ void VisitFields(Visitor& visit, PreprocessingOptions& options) {
   TVL_FIELD(loop_features);
   TVL_FIELD(segmentation);
   TVL_FIELD(features);
+  TVL_FIELD(planar_points);
   TVL_FIELD(depth);
   TVL_FIELD(road_features);
   TVL_FIELD(calibrated_on_stored_points);

@@ -7,6 +7,7 @@
 #include "tvl/base/stopwatch.h"
 #include "tvl/depth/depth_association.h"
 #include "tvl/lidar/deskew.h"
+#include "tvl/lidar/planar_points.h"
 #include "tvl/vision/pixel_prediction.h"
 
 namespace tvl {
@@ -104,7 +105,9 @@ void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beam
   }
   ApplyBeamOffsets(beams, out->scan.ring, &out->scan.points);
   times->segmentation_ms += watch.LapMs();
-  out->features = ExtractLaserFeatures(out->scan, setup_.lidar, options_.features);
+  out->features = setup_.lidar.rows_are_beams
+                      ? ExtractLaserFeatures(out->scan, setup_.lidar, options_.features)
+                      : FindPlanarPoints(out->scan, options_.planar_points);
   out->has_scan = !out->features.less_flat.empty();
   times->features_ms += watch.ElapsedMs();
 }

@@ -9,6 +9,7 @@ void SlamOptions::Check() const {
   preprocessing.loop_features.Check();
   preprocessing.segmentation.Check();
   preprocessing.features.Check();
+  preprocessing.planar_points.Check();
   preprocessing.depth.Check();
   TVL_CHECK_INPUT(preprocessing.road_features >= 0)
       << "preprocessing.road_features: must not be negative";

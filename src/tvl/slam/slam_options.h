@@ -3,6 +3,7 @@
 
 #include "tvl/depth/depth_options.h"
 #include "tvl/lidar/feature_extraction.h"
+#include "tvl/lidar/planar_points.h"
 #include "tvl/lidar/segmentation.h"
 #include "tvl/map/keyframe_store.h"
 #include "tvl/mapping/keyframe_selector.h"
@@ -30,6 +31,7 @@ struct PreprocessingOptions {
   ImageFeatureOptions loop_features;  // of keyframes
   SegmentationOptions segmentation;
   LaserFeatureOptions features;
+  PlanarPointOptions planar_points;  // in place of `features` for scans without rings
   DepthOptions depth;
   // With fewer tracks on the road than three quarters of this, so many are looked for there, beside
   // the others. In a jam the lettering on lorries has the stronger corners, and only the road

@@ -64,7 +64,7 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       local_map_(options_.mapping.local_map),
       landmarks_(setup_.calibration, options_.mapping.landmarks),
       moving_tracks_(setup_.calibration, options_.mapping.moving_tracks),
-      beams_(setup.lidar.rows(), options_.mapping.beams),
+      beams_(setup.lidar.rows_are_beams ? setup.lidar.rows() : 0, options_.mapping.beams),
       extrinsics_(setup_.calibration, options_.extrinsics),
       calibration_check_(setup_.calibration),
       uncertainty_(options_.uncertainty),

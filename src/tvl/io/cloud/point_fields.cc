@@ -12,8 +12,6 @@
 namespace tvl {
 namespace {
 
-constexpr size_t kMostPoints = size_t{1} << 24;
-
 std::string LowerCase(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -40,40 +38,15 @@ double Load(const uint8_t* bytes, bool swap) {
   return static_cast<double>(value);
 }
 
-double LoadNumber(const uint8_t* bytes, NumberType type, bool swap) {
-  switch (type) {
-    case NumberType::kInt8:
-      return Load<int8_t>(bytes, swap);
-    case NumberType::kUint8:
-      return Load<uint8_t>(bytes, swap);
-    case NumberType::kInt16:
-      return Load<int16_t>(bytes, swap);
-    case NumberType::kUint16:
-      return Load<uint16_t>(bytes, swap);
-    case NumberType::kInt32:
-      return Load<int32_t>(bytes, swap);
-    case NumberType::kUint32:
-      return Load<uint32_t>(bytes, swap);
-    case NumberType::kInt64:
-      return Load<int64_t>(bytes, swap);
-    case NumberType::kUint64:
-      return Load<uint64_t>(bytes, swap);
-    case NumberType::kFloat32:
-      return Load<float>(bytes, swap);
-    case NumberType::kFloat64:
-      return Load<double>(bytes, swap);
-  }
-  throw Error("number type that does not exist");
-}
-
 // Calls visit(index, value) for one field of all records, in order.
 template <typename Visit>
 void ForEach(const PointTable& table, const PointField& field, const Visit& visit) {
+  if (table.width == 0) return;  // with any height: no data need be there
   size_t i = 0;
   for (size_t row = 0; row < table.height; ++row) {
     const uint8_t* record = table.data + row * table.row_step + field.offset;
     for (size_t column = 0; column < table.width; ++column, record += table.point_step) {
-      visit(i++, LoadNumber(record, field.type, table.big_endian));
+      visit(i++, NumberAt(record, field.type, table.big_endian));
     }
   }
 }
@@ -147,6 +120,32 @@ size_t SizeOf(NumberType type) {
   throw Error("number type that does not exist");
 }
 
+double NumberAt(const uint8_t* bytes, NumberType type, bool big_endian) {
+  switch (type) {
+    case NumberType::kInt8:
+      return Load<int8_t>(bytes, big_endian);
+    case NumberType::kUint8:
+      return Load<uint8_t>(bytes, big_endian);
+    case NumberType::kInt16:
+      return Load<int16_t>(bytes, big_endian);
+    case NumberType::kUint16:
+      return Load<uint16_t>(bytes, big_endian);
+    case NumberType::kInt32:
+      return Load<int32_t>(bytes, big_endian);
+    case NumberType::kUint32:
+      return Load<uint32_t>(bytes, big_endian);
+    case NumberType::kInt64:
+      return Load<int64_t>(bytes, big_endian);
+    case NumberType::kUint64:
+      return Load<uint64_t>(bytes, big_endian);
+    case NumberType::kFloat32:
+      return Load<float>(bytes, big_endian);
+    case NumberType::kFloat64:
+      return Load<double>(bytes, big_endian);
+  }
+  throw Error("number type that does not exist");
+}
+
 RawScan DecodePoints(const PointTable& table, const std::string& source) {
   CheckTable(table, source);
   const std::array<const PointField*, 3> axes = {Find(table, {"x"}), Find(table, {"y"}),
@@ -155,6 +154,7 @@ RawScan DecodePoints(const PointTable& table, const std::string& source) {
     TVL_CHECK_INPUT(axis != nullptr) << source << ": no fields x, y and z";
   }
   RawScan scan;
+  if (table.width == 0 || table.height == 0) return scan;
   scan.width = table.width, scan.height = table.height;
   scan.points.resize(table.width * table.height);
   for (int axis = 0; axis < 3; ++axis) {

@@ -11,6 +11,9 @@
 
 namespace tvl {
 
+// More than any scan has: 16 million points.
+inline constexpr size_t kMostPoints = size_t{1} << 24;
+
 enum class NumberType {
   kInt8,
   kUint8,
@@ -26,6 +29,10 @@ enum class NumberType {
 
 // Bytes of one number.
 size_t SizeOf(NumberType type);
+
+// The number that begins at `bytes`, of which SizeOf(type) are read. Whole numbers of 64 bits keep
+// 53 of them.
+double NumberAt(const uint8_t* bytes, NumberType type, bool big_endian);
 
 struct PointField {
   std::string name;

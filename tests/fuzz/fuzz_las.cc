@@ -1,0 +1,7 @@
+#include "fuzz_scan.h"
+#include "tvl/io/cloud/las.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t bytes) {
+  tvl::FuzzScan([&](const std::string& source) { return tvl::ParseLas(data, bytes, source).scan; });
+  return 0;
+}
