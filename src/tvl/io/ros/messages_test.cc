@@ -76,6 +76,7 @@ TEST(PointMessages, NumbersThatContradictTheDataAreErrors) {
   EXPECT_THAT(TextOfError([&] { Decode(Cloud(1, 2, 9, 12, 24, data)); }), HasSubstr("field 'z'"));
   EXPECT_THAT(TextOfError([&] { Decode(Cloud(1, 2, 8, 0, 24, data)); }), HasSubstr("beyond the 0"));
   EXPECT_EQ(Decode(Cloud(1, 0, 8, 12, 0, {})).size(), 0U);
+  EXPECT_EQ(Decode(Cloud(4'000'000'000U, 0, 8, 12, 0, {})).size(), 0U);  // at once
 }
 
 BytesBuilder RawImage(const std::string& encoding, uint32_t height, uint32_t width, uint32_t step,
