@@ -139,6 +139,30 @@ def synthetic(types):
                            (-0.1, 0.01, 0.001, -0.001, 0.0)))
 
 
+def own_clock(types):
+    """A lidar that counts from its start, a fisheye camera, and /tf in place of /tf_static."""
+    links = [("base", "lidar", (0, 0, 2), (0, 0, 0, 1)), ("base", "camera_optical", (1, 0, 2), (0, 0, 0, 1))]
+    pixels = np.full((HEIGHT, WIDTH, 3), 100, np.uint8)
+    for k in range(2):
+        log, since_start = FIRST_NS + k * 10**8, 12 * 10**9 + k * 10**8
+        yield "/tf", "tf2_msgs/msg/TFMessage", log, transforms(types, log, links)
+        yield "/points", "sensor_msgs/msg/PointCloud2", log, synthetic_cloud(types, since_start, k)
+        yield "/cam/image_raw", "sensor_msgs/msg/Image", log + 1_000_000, image(types, log, pixels)
+        yield ("/cam/camera_info", "sensor_msgs/msg/CameraInfo", log,
+               camera_info(types, log, (WIDTH, HEIGHT), (20, 21, 7.5, 3.5), "equidistant", (0.1, 0, 0, 0)))
+
+
+def no_stamps(types):
+    """A driver that leaves the stamps of its headers zero, and images of another size than their CameraInfo."""
+    pixels = np.full((HEIGHT, WIDTH, 3), 100, np.uint8)
+    for k in range(2):
+        log = FIRST_NS + k * 10**8
+        yield "/points", "sensor_msgs/msg/PointCloud2", log, synthetic_cloud(types, 0, k)
+        yield "/cam/image_raw", "sensor_msgs/msg/Image", log, image(types, log, pixels)
+        yield ("/cam/camera_info", "sensor_msgs/msg/CameraInfo", log,
+               camera_info(types, log, (2 * WIDTH, 2 * HEIGHT), (20, 21, 7.5, 3.5), "plumb_bob", ()))
+
+
 def write_ros1(path, messages, compression=None, chunk_size=2048):
     types = Types(True)
     writer = Ros1Writer(path)
@@ -225,6 +249,8 @@ def main():
                repeat_channels=False, repeat_schemas=False, use_statistics=False, use_summary_offsets=False)
     write_mcap(folder / "ros1.mcap", synthetic, "LZ4", ros1=True)
     write_mcap(folder / "livox_ros2.mcap", livox_only)
+    write_mcap(folder / "own_clock.mcap", own_clock, "ZSTD")
+    write_mcap(folder / "no_stamps.mcap", no_stamps, "ZSTD")
     write_split(folder / "split_mcap", synthetic, 3, "mcap")
     write_split(folder / "split_sqlite", synthetic, 2, "sqlite3")
 

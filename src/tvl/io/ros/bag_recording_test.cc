@@ -97,6 +97,28 @@ TEST(BagRecording, TheRawImageTopicIsTakenAndWhatIsRecognisedIsSaid) {
   EXPECT_THAT(recording.notes, Contains(HasSubstr("x float32, y float32")));
 }
 
+TEST(BagRecording, AnotherClockGivesWayToTheTimesOfRecording) {
+  const Recording recording = OpenBag(BagPath("own_clock.mcap"), {});
+  EXPECT_THAT(recording.warnings, Contains(HasSubstr("different clocks")));
+  EXPECT_EQ(recording.scans->Stamp(1)->ns, kFirst_ns + kStep_ns);
+  EXPECT_EQ(recording.images->Stamp(1)->ns, kFirst_ns + kStep_ns + 1'000'000);
+  EXPECT_EQ(recording.camera->distortion_model, DistortionModel::kEquidistant);
+  EXPECT_THAT(recording.warnings, Contains(HasSubstr("comes from /tf")));
+  EXPECT_EQ(recording.T_cam_lidar->t(), Eigen::Vector3d(-1, 0, 0));
+}
+
+TEST(BagRecording, WhatIsMissingIsSaid) {
+  const Recording recording = OpenBag(BagPath("no_stamps.mcap"), {});
+  ExpectScans(recording, 2);  // by the time of recording
+  EXPECT_THAT(recording.warnings, Contains(HasSubstr("2 of 2 messages have no stamp")));
+  EXPECT_FALSE(recording.camera.has_value());
+  EXPECT_THAT(recording.warnings,
+              Contains(HasSubstr("is of images of 32x16, the images are 16x8")));
+  EXPECT_FALSE(recording.T_cam_lidar.has_value());
+  EXPECT_THAT(recording.warnings, Contains(HasSubstr("no transforms")));
+  EXPECT_FALSE(recording.images->Read(0).image.empty());
+}
+
 TEST(BagRecording, TopicsThatAreNotThereAreNamed) {
   EXPECT_THAT(TextOfError(BagPath("none.mcap"), {"/nowhere", ""}), HasSubstr("/points"));
   EXPECT_THAT(TextOfError(BagPath("none.mcap"), {"", "/points"}), HasSubstr("/cam/image_raw"));
