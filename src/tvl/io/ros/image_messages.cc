@@ -14,6 +14,9 @@ namespace {
 
 // No camera of a robot has more; it bounds what a few bytes of a compressed image may ask for.
 constexpr uint64_t kMostPixels = uint64_t{1} << 26;
+// Nor does a compressed image hold more in a byte: the best that PNG's deflate can do is 1032 to 1,
+// and JPEG, with two bits or more a block, does less.
+constexpr uint64_t kMostPixelsAByte = 1100;
 constexpr int kAsItIs = -1;
 
 struct RawEncoding {
@@ -154,8 +157,8 @@ ImageMessage DecodeCompressed(const StoredMessage& message) {
   TVL_CHECK_INPUT(pixels.has_value())
       << message.place << ": neither a JPEG nor a PNG image (format '"
       << decoded.encoding.substr(0, 64) << "')";
-  TVL_CHECK_INPUT(*pixels > 0 && *pixels <= kMostPixels)
-      << message.place << ": an image of " << *pixels << " pixels";
+  TVL_CHECK_INPUT(*pixels > 0 && *pixels <= std::min(kMostPixels, bytes * kMostPixelsAByte))
+      << message.place << ": an image of " << *pixels << " pixels in " << bytes << " bytes";
   try {
     const cv::Mat stored(1, static_cast<int>(bytes), CV_8UC1, const_cast<uint8_t*>(data));
     decoded.image = cv::imdecode(stored, cv::IMREAD_UNCHANGED);

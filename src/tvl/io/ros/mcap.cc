@@ -129,7 +129,8 @@ void Mcap::CheckChunkEntries() {
   uint64_t end = 0;
   for (const ChunkEntry& entry : chunk_entries_) {
     const uint64_t begin = chunks_.chunk(entry.chunk).offset;
-    TVL_CHECK_INPUT(!entry.channels.empty() || chunks_.chunk(entry.chunk).inflated_bytes == 0)
+    const bool indexed = !entry.channels.empty() && entry.index_bytes > 0;
+    TVL_CHECK_INPUT(indexed || chunks_.chunk(entry.chunk).inflated_bytes == 0)
         << source_->name() << ": byte " << begin << ": a chunk without message index";
     TVL_CHECK_INPUT(begin >= end) << source_->name() << ": byte " << begin << ": chunks overlap";
     end = entry.index_offset + entry.index_bytes;

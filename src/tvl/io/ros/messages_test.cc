@@ -156,7 +156,7 @@ TEST(ImageMessages, CompressedImagesAreCheckedBeforeTheyAreDecoded) {
   }
   std::vector<uint8_t> huge;
   cv::imencode(".png", grey, huge);
-  huge[16] = 0x7F;  // its width
+  huge[17] = 0x20;  // its width: 2 million
   EXPECT_THAT(TextOfError([&] { decode(huge); }), HasSubstr("pixels"));
   EXPECT_THAT(TextOfError([&] { decode({'B', 'M', 0, 0}); }), HasSubstr("neither a JPEG"));
 }

@@ -213,6 +213,8 @@ void Ros1Bag::ReadIndex(const ChunkEntry& entry, const Wanted& wanted) const {
       target->second->push_back({{seconds * 1'000'000'000 + nanoseconds}, offset, entry.chunk, 0});
     }
   }
+  TVL_CHECK_INPUT(found == entry.connections.size())
+      << chunks_.Place(entry.chunk, 0) << ": a part of its index is missing, with its messages";
 }
 
 MessageIndex Ros1Bag::Index(const std::vector<size_t>& topics) const {
