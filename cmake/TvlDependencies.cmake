@@ -7,6 +7,8 @@ find_package(nlohmann_json 3 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nanoflann REQUIRED)
 
+include(TvlBagLibraries)
+
 # yaml-cpp before 0.8 exports a plain target name and no namespace.
 if(NOT TARGET yaml-cpp::yaml-cpp)
   add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)

@@ -30,7 +30,8 @@ namespace {
 constexpr double kSecondPass_rad = 0.005;  // 0.3 deg
 
 struct CalibrateArguments {
-  std::string input, out, config, profile, deskew = "auto", frames;
+  std::string input, out, config, deskew = "auto", frames;
+  InputOptions input_options;
   int threads = tbb::info::default_concurrency();
 };
 
@@ -114,8 +115,7 @@ void Calibrate(const CalibrateArguments& arguments) {
   CatchInterrupts();
   cv::setNumThreads(arguments.threads);
   const RunOptions options = MakeOptions(arguments);
-  InputOptions input_options;
-  input_options.profile = arguments.profile;
+  InputOptions input_options = arguments.input_options;
   input_options.first_frame = FirstFrame(arguments.frames);
   const std::shared_ptr<const Dataset> dataset = OpenInput(arguments.input, input_options);
   TVL_CHECK_INPUT(dataset->setup().has_camera)
@@ -164,7 +164,7 @@ void AddCalibrateCommand(CLI::App& app) {
                    "calib_velo_to_cam.txt (R, T) for a raw drive")
       ->required();
   calibrate->add_option("--config", arguments->config, "YAML file with options");
-  calibrate->add_option("--profile", arguments->profile, "lidar, as in tvl run");
+  AddInputOptions(calibrate, &arguments->input_options);
   calibrate->add_option("--deskew", arguments->deskew, "as in tvl run")
       ->check(CLI::IsMember({"auto", "none", "cw", "ccw"}))
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include "tvl/io/kitti_dataset.h"
 #include "tvl/io/profile.h"
 #include "tvl/io/recorded_dataset.h"
+#include "tvl/io/ros/bag_recording.h"
 #include "tvl/slam/deskew_decision.h"
 
 #ifdef TVL_WITH_SIM
@@ -38,8 +39,9 @@ LayoutHints HintsOf(const InputOptions& options) {
 }
 
 // What is not in one of the layouts that KittiDataset reads; empty if nothing is recognised.
-std::optional<Recording> OpenRecording(const std::string& spec) {
+std::optional<Recording> OpenRecording(const std::string& spec, const InputOptions& options) {
   if (LooksLikeKitti(spec)) return std::nullopt;
+  if (LooksLikeBag(spec)) return OpenBag(spec, {options.lidar_topic, options.image_topic});
   if (LooksLikeKitti360(spec)) return OpenKitti360(spec);
   if (LooksLikeKittiObject(spec)) return OpenKittiObject(spec);
   if (LooksLikeCloudFolder(spec)) return OpenCloudFolder(spec);
@@ -55,6 +57,19 @@ std::optional<Deskew> ParseDeskew(const std::string& text) {
   return std::nullopt;
 }
 
+void AddInputOptions(CLI::App* command, InputOptions* options) {
+  std::string names;
+  for (const std::string& name : ProfileNames()) names += (names.empty() ? "" : ", ") + name;
+  command->add_option(
+      "--profile", options->profile,
+      "lidar: a built-in profile (" + names +
+          ") or a YAML file; default: the one that fits the scans, else as measured");
+  command->add_option("--lidar-topic", options->lidar_topic,
+                      "topic of the scans, where a bag has several");
+  command->add_option("--image-topic", options->image_topic,
+                      "topic of the images, where a bag has several");
+}
+
 std::unique_ptr<Dataset> OpenInput(const std::string& spec, const InputOptions& options) {
   if (spec.rfind("sim:", 0) == 0) {
     std::unique_ptr<Dataset> simulation = OpenSimulation(spec);
@@ -63,7 +78,7 @@ std::unique_ptr<Dataset> OpenInput(const std::string& spec, const InputOptions& 
     setup.lidar = LoadProfile(options.profile);
     return std::make_unique<ReconfiguredDataset>(std::move(simulation), std::move(setup));
   }
-  if (std::optional<Recording> recording = OpenRecording(spec)) {
+  if (std::optional<Recording> recording = OpenRecording(spec, options)) {
     RecordedOptions recorded;
     recorded.hints = HintsOf(options);
     recorded.first_frame = options.first_frame;

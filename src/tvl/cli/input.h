@@ -1,6 +1,7 @@
 // INPUT of the commands: a folder, or a simulated drive.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -18,6 +19,8 @@ struct InputOptions {
   std::string profile;
   // KITTI folders: 0..3, or -1 for the lowest camera that has images.
   int camera = -1;
+  // Bags: topics of the scans and the images. Empty: found by their types.
+  std::string lidar_topic, image_topic;
   // The frame the command begins with; its scan must be usable unless require_first_scan is off.
   size_t first_frame = 0;
   bool require_first_scan = true;
@@ -44,7 +47,15 @@ class ReconfiguredDataset : public Dataset {
 // What --deskew says; empty for auto. The command line has refused anything else.
 std::optional<Deskew> ParseDeskew(const std::string& text);
 
-// `spec`: a folder in the KITTI odometry or raw layout, or `sim:PRESET?key=value&...`.
+// Adds --profile, --lidar-topic and --image-topic to a command; `options` must outlive it.
+void AddInputOptions(CLI::App* command, InputOptions* options);
+
+// INPUT in the help of the commands.
+inline constexpr const char* kInputHelp =
+    "recording: a folder of scans (KITTI layouts, .bin, .pcd, .ply, .las), a ROS bag (.bag, .db3, "
+    ".mcap), see docs/inputs.md; or sim:PRESET?seed=7&frames=1000";
+
+// `spec`: see kInputHelp.
 // Throws InputError naming what is wrong. Warnings are in setup().warnings.
 std::unique_ptr<Dataset> OpenInput(const std::string& spec, const InputOptions& options = {});
 

@@ -229,9 +229,8 @@ void AddInspectCommand(CLI::App& app) {
     InputOptions options;
   };
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("INPUT", arguments->input, "Sequence folder, or sim:PRESET?key=value&...")
-      ->required();
-  command->add_option("--profile", arguments->options.profile, "Lidar profile, name or YAML file");
+  command->add_option("INPUT", arguments->input, kInputHelp)->required();
+  AddInputOptions(command, &arguments->options);
   command->add_option("--camera", arguments->options.camera, "Camera 0..3 of a KITTI folder")
       ->check(CLI::Range(0, 3));
   command->callback([arguments] { RunInspect(arguments->input, arguments->options); });

@@ -39,7 +39,8 @@ constexpr double kMapVoxel_m = 0.1;  // of the exported map: finer than a beam's
 constexpr size_t kPlaces = 3;        // drawn before and after (paper Fig. 14)
 
 struct RunArguments {
-  std::string input, out, config, profile, deskew = "auto", frames;
+  std::string input, out, config, deskew = "auto", frames;
+  InputOptions input_options;
   int threads = tbb::info::default_concurrency();  // the cores this process may use
   bool no_loops = false, lidar_only = false;
 };
@@ -181,8 +182,7 @@ void Run(const RunArguments& arguments) {
   CatchInterrupts();
   cv::setNumThreads(arguments.threads);
   const RunOptions options = MakeOptions(arguments);
-  InputOptions input_options;
-  input_options.profile = arguments.profile;
+  InputOptions input_options = arguments.input_options;
   input_options.first_frame = FirstFrame(arguments.frames);
   const std::unique_ptr<Dataset> dataset = OpenInput(arguments.input, input_options);
   PrepareOutputFolder(arguments.out);
@@ -209,10 +209,7 @@ void Run(const RunArguments& arguments) {
 void AddRunCommand(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand("run", "Run SLAM: trajectory, map and report into a folder");
-  run->add_option(
-         "input", arguments->input,
-         "sequence folder (KITTI odometry or raw layout), or sim:PRESET?seed=7&frames=1000")
-      ->required();
+  run->add_option("input", arguments->input, kInputHelp)->required();
   run->add_option(
          "--out", arguments->out,
          "folder for trajectory_kitti.txt, trajectory_tum.txt, odometry_kitti.txt "
@@ -221,9 +218,7 @@ void AddRunCommand(CLI::App& app) {
          "those of an earlier run are replaced")
       ->required();
   run->add_option("--config", arguments->config, "YAML file with options, see docs/options.md");
-  run->add_option("--profile", arguments->profile,
-                  "lidar: a built-in profile (kitti, none) or a YAML file; default: what the "
-                  "input suggests");
+  AddInputOptions(run, &arguments->input_options);
   run->add_option("--deskew", arguments->deskew,
                   "spin of a raw scan seen from above, or none for compensated scans; auto: what "
                   "the input says, else decided from its first frames")

@@ -28,7 +28,8 @@ constexpr size_t kLeadFrames = 5;
 constexpr double kMapVoxel_m = 0.1;
 
 struct ShowArguments {
-  std::string input, out, profile;
+  std::string input, out;
+  InputOptions input_options;
   std::string stage = "tracks", deskew = "auto";
   size_t frame = 0;
 };
@@ -104,8 +105,7 @@ cv::Mat DrawMapUpTo(const ShowArguments& arguments, const Dataset& dataset) {
 void Show(const ShowArguments& arguments) {
   TVL_CHECK_INPUT(cv::haveImageWriter(arguments.out))
       << "--out " << arguments.out << ": want the name of a picture, such as tracks.png";
-  InputOptions input;
-  input.profile = arguments.profile;
+  InputOptions input = arguments.input_options;
   input.require_first_scan = false;
   const std::unique_ptr<Dataset> dataset = OpenInput(arguments.input, input);
   TVL_CHECK_INPUT(arguments.frame < dataset->size())
@@ -134,7 +134,7 @@ void AddShowCommand(CLI::App& app) {
       ->check(CLI::IsMember({"tracks", "segments", "features", "depth", "map"}))
       ->required();
   command->add_option("--out", arguments->out, "The picture, e.g. tracks.png")->required();
-  command->add_option("--profile", arguments->profile, "Lidar profile: a name or a YAML file");
+  AddInputOptions(command, &arguments->input_options);
   command->add_option("--deskew", arguments->deskew, "auto: what the input says, else its default")
       ->check(CLI::IsMember({"auto", "none", "cw", "ccw"}));
   command->callback([arguments] { Show(*arguments); });

@@ -34,16 +34,19 @@ std::string SizeText(int width, int height) {
 }  // namespace
 
 ImageRead ReadImage(const std::string& path, int width_px, int height_px) {
-  cv::Mat image = Decode(path);
+  return CheckImage(Decode(path), path, width_px, height_px);
+}
+
+ImageRead CheckImage(const cv::Mat& image, const std::string& source, int width_px, int height_px) {
   if (image.empty()) {
-    return {{}, {{Kind::kUnreadableImage, path + ": not a readable 8 or 16 bit image"}}};
+    return {{}, {{Kind::kUnreadableImage, source + ": not a readable 8 or 16 bit image"}}};
   }
   if (width_px > 0 && (image.cols != width_px || image.rows != height_px)) {
     return {{},
-            {{Kind::kWrongSizeImage, path + ": is " + SizeText(image.cols, image.rows) +
+            {{Kind::kWrongSizeImage, source + ": is " + SizeText(image.cols, image.rows) +
                                          ", the others are " + SizeText(width_px, height_px)}}};
   }
-  if (IsBlack(image)) return {{}, {{Kind::kBlackImage, path + ": black"}}};
+  if (IsBlack(image)) return {{}, {{Kind::kBlackImage, source + ": black"}}};
   return {image, {}};
 }
 

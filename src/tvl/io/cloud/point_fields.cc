@@ -41,6 +41,7 @@ double Load(const uint8_t* bytes, bool swap) {
 // Calls visit(index, value) for one field of all records, in order.
 template <typename Visit>
 void ForEach(const PointTable& table, const PointField& field, const Visit& visit) {
+  if (table.width == 0) return;  // with any height: no data need be there
   size_t i = 0;
   for (size_t row = 0; row < table.height; ++row) {
     const uint8_t* record = table.data + row * table.row_step + field.offset;
