@@ -167,7 +167,8 @@ StampsRead FindStamps(ScanFiles* files, Recording* recording) {
   for (const std::string& path : StampFiles(*files)) {
     StampsRead read = StampsFromFile(path, files->paths);
     if (!read.stamps.empty()) {
-      recording->notes.push_back("stamps: " + path + ": " + read.what);
+      auto& list = read.is_doubtful ? recording->warnings : recording->notes;
+      list.push_back("stamps: " + path + ": " + read.what);
       return read;
     }
     // Any table may lie there, but a text file of that name should have been understood.
@@ -175,8 +176,8 @@ StampsRead FindStamps(ScanFiles* files, Recording* recording) {
     list.push_back(path + ": no stamps of the scans: " + read.what);
   }
   StampsRead read = StampsFromNames(files->paths);
-  recording->notes.push_back((read.stamps.empty() ? "stamps: none: " : "stamps: file names: ") +
-                             read.what);
+  auto& list = read.is_doubtful ? recording->warnings : recording->notes;
+  list.push_back((read.stamps.empty() ? "stamps: none: " : "stamps: file names: ") + read.what);
   if (!read.stamps.empty()) SortByStamp(&files->paths, &read.stamps);
   return read;
 }
