@@ -109,12 +109,13 @@ void KeepOneKind(ScanFiles* files, Recording* recording) {
 }
 
 ScanFiles FindScans(const std::string& path) {
-  if (fs::is_regular_file(path)) {
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) {
     const fs::path parent = fs::path(path).parent_path();
     const std::string folder = parent.empty() ? "." : parent.string();
     return {folder, folder, {path}};
   }
-  TVL_CHECK_INPUT(fs::is_directory(path)) << path << ": no such file or folder";
+  TVL_CHECK_INPUT(fs::is_directory(path, ignored)) << path << ": no such file or folder";
   const std::vector<fs::path> folders = FoldersOfScans(path);
   std::vector<std::string> own = CloudsIn(path);
   // A map that was written beside the folder of scans is not the recording.
