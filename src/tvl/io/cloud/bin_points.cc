@@ -163,7 +163,7 @@ size_t ChooseFloats(const std::vector<BinSample>& samples) {
 
 // Four where it divides all files, else what does.
 size_t ChooseFloatsOfFew(const std::vector<BinSample>& samples) {
-  for (const size_t floats : {4, 5, 3, 6, 7, 8}) {
+  for (const size_t floats : std::array<size_t, 6>{4, 5, 3, 6, 7, 8}) {
     if (DividesFiles(samples, floats)) return floats;
   }
   return 0;

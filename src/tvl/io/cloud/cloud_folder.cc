@@ -109,12 +109,13 @@ void KeepOneKind(ScanFiles* files, Recording* recording) {
 }
 
 ScanFiles FindScans(const std::string& path) {
-  if (fs::is_regular_file(path)) {
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) {
     const fs::path parent = fs::path(path).parent_path();
     const std::string folder = parent.empty() ? "." : parent.string();
     return {folder, folder, {path}};
   }
-  TVL_CHECK_INPUT(fs::is_directory(path)) << path << ": no such file or folder";
+  TVL_CHECK_INPUT(fs::is_directory(path, ignored)) << path << ": no such file or folder";
   const std::vector<fs::path> folders = FoldersOfScans(path);
   std::vector<std::string> own = CloudsIn(path);
   // A map that was written beside the folder of scans is not the recording.
@@ -167,7 +168,8 @@ StampsRead FindStamps(ScanFiles* files, Recording* recording) {
   for (const std::string& path : StampFiles(*files)) {
     StampsRead read = StampsFromFile(path, files->paths);
     if (!read.stamps.empty()) {
-      recording->notes.push_back("stamps: " + path + ": " + read.what);
+      auto& list = read.is_doubtful ? recording->warnings : recording->notes;
+      list.push_back("stamps: " + path + ": " + read.what);
       return read;
     }
     // Any table may lie there, but a text file of that name should have been understood.
@@ -175,8 +177,8 @@ StampsRead FindStamps(ScanFiles* files, Recording* recording) {
     list.push_back(path + ": no stamps of the scans: " + read.what);
   }
   StampsRead read = StampsFromNames(files->paths);
-  recording->notes.push_back((read.stamps.empty() ? "stamps: none: " : "stamps: file names: ") +
-                             read.what);
+  auto& list = read.is_doubtful ? recording->warnings : recording->notes;
+  list.push_back((read.stamps.empty() ? "stamps: none: " : "stamps: file names: ") + read.what);
   if (!read.stamps.empty()) SortByStamp(&files->paths, &read.stamps);
   return read;
 }

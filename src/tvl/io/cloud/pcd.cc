@@ -249,7 +249,7 @@ CloudRead ParsePcd(const uint8_t* data, size_t bytes, const std::string& source)
     read.scan = DecodeAscii(header, &lines, source);
   } else if (header.data_kind == "binary") {
     const PointTable table = TableOf(header, data + header.data_offset, bytes - header.data_offset);
-    read.scan = DecodePoints(table, source);
+    read.scan = DecodePoints(table, source + ": byte " + std::to_string(header.data_offset));
   } else {
     TVL_CHECK_INPUT(header.data_kind == "binary_compressed")
         << AtLine(source, lines.line()) << ": DATA: want ascii, binary or binary_compressed, is "

@@ -91,7 +91,7 @@ TEST(Pcd, NotesTheViewpoint) {
 TEST(Pcd, RefusesHeadersThatLie) {
   const std::string point = Bytes(1.0F, 2.0F, 3.0F);
   EXPECT_THAT(ErrorOf(Header("4000000000", "binary") + std::string(1000, 'a')),
-              StartsWith("a.pcd: 4000000000 x 1 points"));
+              StartsWith("a.pcd: byte 139: 4000000000 x 1 points"));
   EXPECT_THAT(ErrorOf(Header("-5", "binary") + point), StartsWith("a.pcd:9: POINTS: want a whole"));
   EXPECT_THAT(ErrorOf(Header("99999999999999999999999", "binary") + point), HasSubstr("POINTS"));
   EXPECT_THAT(ErrorOf(Header("1.5", "ascii")), HasSubstr("POINTS"));

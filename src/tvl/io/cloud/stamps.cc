@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "tvl/base/check.h"
 #include "tvl/io/cloud/file_names.h"
@@ -100,18 +101,19 @@ std::string RateText(double period_s) {
 struct Choice {
   const Unit* unit = nullptr;  // null: none
   std::string what;
-  bool is_since_1970 = false;
+  bool is_since_1970 = false, is_doubtful = false;
 };
 
 Choice ChooseUnit(double first, const Steps& steps) {
   const Unit* const by_date = UnitOfDate(first);
   const Unit* const by_step = UnitOfStep(steps.median);
-  if (steps.growing_share < kGrowingShare) return {nullptr, "the numbers do not increase", false};
+  if (steps.growing_share < kGrowingShare)
+    return {nullptr, "the numbers do not increase", false, false};
   if (steps.is_count && by_date == nullptr) {
-    return {nullptr, "the numbers count one by one: they are no times", false};
+    return {nullptr, "the numbers count one by one: they are no times", false, false};
   }
   if (by_date == nullptr && by_step == nullptr) {
-    return {nullptr, "in no unit are the numbers times at 1 to 100 Hz", false};
+    return {nullptr, "in no unit are the numbers times at 1 to 100 Hz", false, false};
   }
   Choice choice;
   choice.unit = by_step != nullptr ? by_step : by_date;
@@ -121,6 +123,7 @@ Choice ChooseUnit(double first, const Steps& steps) {
   if (by_step == nullptr && steps.median > 0.0) {
     choice.what += " (by the date; the rate is unusual)";
   } else if (by_step != nullptr && by_date != nullptr && by_step != by_date) {
+    choice.is_doubtful = true;
     choice.what +=
         " (doubtful: by the rate; as a date they would be " + std::string(by_date->name) + ")";
   }
@@ -181,6 +184,23 @@ StampsRead StampsOfRows(const std::vector<std::vector<std::string>>& rows,
   return none;
 }
 
+// StampsOfNumbers of words in any order: names whose fractions have different lengths come in
+// another order than their times.
+StampsRead StampsInOrder(const std::vector<std::string>& words, const std::string& where) {
+  std::vector<std::pair<double, size_t>> order;
+  for (size_t i = 0; i < words.size(); ++i) {
+    order.emplace_back(ParseNumbers(words[i], where).at(0), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::string> sorted;
+  for (const auto& entry : order) sorted.push_back(words[entry.second]);
+  StampsRead read = StampsOfNumbers(sorted, where);
+  if (read.stamps.empty()) return read;
+  const std::vector<Timestamp> stamps = read.stamps;
+  for (size_t k = 0; k < order.size(); ++k) read.stamps[order[k].second] = stamps[k];
+  return read;
+}
+
 bool IsDate(const std::string& line) {
   constexpr size_t kDateLength = 10;  // 2011-09-26
   return line.size() > kDateLength && line[4] == '-' && line[7] == '-' &&
@@ -201,7 +221,7 @@ StampsRead StampsOfNumbers(const std::vector<std::string>& words, const std::str
   }
   const Choice choice = ChooseUnit(numbers[0], StepsOf(numbers));
   read.what = choice.what;
-  read.is_since_1970 = choice.is_since_1970;
+  read.is_since_1970 = choice.is_since_1970, read.is_doubtful = choice.is_doubtful;
   if (choice.unit == nullptr) return read;
   for (const std::string& word : words) {
     read.stamps.push_back(ParseScaled(word, choice.unit->exponent, where));
@@ -216,11 +236,11 @@ StampsRead ReadStampFile(const std::string& path) {
     TVL_CHECK_INPUT(!error && size <= kMostFileBytes) << path << ": cannot be read, or too large";
     const std::vector<std::string> lines = ReadLines(path);
     if (!lines.empty() && IsDate(lines[0])) {
-      return {ReadRawTimestamps(path), "dates, to the nanosecond", true};
+      return {ReadRawTimestamps(path), "dates, to the nanosecond", true, false};
     }
     return StampsOfRows(RowsOf(lines), path);
   } catch (const InputError& error) {
-    return {{}, error.what(), false};
+    return {{}, error.what(), false, false};
   }
 }
 
@@ -233,13 +253,14 @@ StampsRead StampsFromFile(const std::string& path, const std::vector<std::string
       name.find("time") != std::string::npos || name.find("stamp") != std::string::npos;
   StampsRead by_number;
   by_number.what = read.what + ", by file number";
-  by_number.is_since_1970 = read.is_since_1970;
+  by_number.is_since_1970 = read.is_since_1970, by_number.is_doubtful = read.is_doubtful;
   for (const std::string& file : files) {
     const std::optional<int64_t> number = FrameNumberOf(file);
     if (!is_list || !number || *number >= static_cast<int64_t>(read.stamps.size())) {
       return {{},
               std::to_string(read.stamps.size()) + " stamps for " + std::to_string(files.size()) +
                   " files: which belong to them is not told",
+              false,
               false};
     }
     by_number.stamps.push_back(read.stamps[static_cast<size_t>(*number)]);
@@ -259,16 +280,18 @@ StampsRead StampsFromNames(const std::vector<std::string>& files) {
     words.push_back(number->text);
   }
   try {
-    StampsRead read = StampsOfNumbers(words, "file names");
+    StampsRead read = StampsInOrder(words, "file names");
     if (read.is_since_1970 || read.stamps.empty()) return read;
     std::vector<double> times_ns;
     for (const Timestamp stamp : read.stamps) times_ns.push_back(static_cast<double>(stamp.ns));
     if (words.size() < 3 || StepsOf(times_ns).is_even) {
-      return {{}, "file names count in even steps: they may be frame numbers", false};
+      none.what = "file names count in even steps: they may be frame numbers";
+      return none;
     }
     return read;
   } catch (const InputError& error) {
-    return {{}, error.what(), false};
+    none.what = error.what();
+    return none;
   }
 }
 

@@ -14,6 +14,7 @@ struct StampsRead {
   // What they are, e.g. "seconds since 1970, 10 Hz"; or why there are none.
   std::string what;
   bool is_since_1970 = false;
+  bool is_doubtful = false;  // another unit makes sense as well; `what` says which
 };
 
 // Stamps from decimal numbers, every digit kept to the nanosecond. The unit is the one (s, ms, us,

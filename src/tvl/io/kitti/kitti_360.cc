@@ -22,15 +22,18 @@ struct Drive {
   fs::path velodyne;  // velodyne_points
 };
 
+bool HasScans(const fs::path& drive) {
+  std::error_code ignored;
+  return fs::is_directory(drive / "velodyne_points", ignored);
+}
+
 // Drives of a root that have scans, sorted.
 std::vector<std::string> DrivesOf(const fs::path& root) {
   std::vector<std::string> drives;
   std::error_code error;
   fs::directory_iterator it(root / "data_3d_raw", error), end;
   for (; !error && it != end; it.increment(error)) {
-    if (fs::is_directory(it->path() / "velodyne_points")) {
-      drives.push_back(it->path().filename().string());
-    }
+    if (HasScans(it->path())) drives.push_back(it->path().filename().string());
   }
   std::sort(drives.begin(), drives.end());
   return drives;

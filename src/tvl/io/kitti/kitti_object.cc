@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 constexpr double kSameEntries = 1e-6;
 
 bool HasLayout(const fs::path& folder) {
-  return fs::is_directory(folder / "velodyne") && fs::is_directory(folder / "calib");
+  std::error_code ignored;
+  return fs::is_directory(folder / "velodyne", ignored) &&
+         fs::is_directory(folder / "calib", ignored);
 }
 
 // The folder with velodyne/ and calib/; empty: none.
