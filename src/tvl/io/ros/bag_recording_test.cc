@@ -83,6 +83,7 @@ TEST(BagRecording, ReadsLivoxMessages) {
   for (const char* name : {"livox_ros1.bag", "livox_ros2.mcap"}) {
     const Recording recording = OpenBag(BagPath(name), {});
     ExpectScans(recording, 2);
+    if (HasFailure()) return;  // there may be no scan
     EXPECT_EQ(recording.scans->Read(0).scan->time_field, "offset_time");
     EXPECT_EQ(recording.scans->Read(0).scan->time[3], 3000.0);
     EXPECT_EQ(recording.images, nullptr);
