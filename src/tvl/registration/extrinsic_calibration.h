@@ -8,6 +8,9 @@
 // calibration with a moving camera; Tsai, Lenz: A new technique for fully autonomous and efficient
 // 3D robotics hand/eye calibration, 1989).
 //
+// Poses that believe a wrong camera follow it, and agree with it. So until the extrinsics have been
+// checked, poses of the lidar alone are asked, too (extrinsic_check.h).
+//
 // Extrinsics are believed until the drive contradicts them. From then on what the camera says of
 // the direction of motion counts for as little as that deserves (ExtrinsicError in pose_problem.h):
 // poses that a wrong camera has pulled along would hide its error.
