@@ -10,62 +10,22 @@
 namespace tvl {
 namespace {
 
-// Rays nearer to the direction of motion (sine of the angle) hardly tell their epipolar plane.
-constexpr double kMinSine = 0.03;
-constexpr double kKernelSigmas = 2.0;
 // Once a correction is in use, what led to it counts for this share: it was measured with poses
 // that the wrong extrinsics had pulled along, and falls short.
 constexpr double kKeptAfterCorrection = 0.3;
 // Edges and tracks that differ by more standard deviations do not look at the same: tracks count.
 constexpr double kContradictionSigmas = 4.0;
 constexpr double kSameDelaySigmas = 0.5;  // a delay that is known by so much better is not new
-constexpr double kMadToSigma = 1.4826;    // of a normal distribution
 
-std::vector<Epipolar> CommonRays(const std::vector<std::pair<TrackId, Eigen::Vector3d>>& from,
-                                 const std::vector<std::pair<TrackId, Eigen::Vector3d>>& to) {
-  std::vector<Epipolar> common;
-  auto a = from.begin();
-  for (const auto& [id, ray] : to) {
-    while (a != from.end() && a->first < id) ++a;
-    if (a == from.end()) break;
-    if (a->first == id) common.push_back({ray, a->second});
-  }
-  return common;
-}
-
-// Residuals with their derivatives by a rotation of the camera and by the lidar's motion.
-struct Row {
-  double r;
-  Eigen::Matrix<double, 1, 3> J_rotation;
-  RowVector6d J_motion;
-};
-
-std::vector<Row> Linearize(const std::vector<Epipolar>& rays, const Rigid3d& T_from_to,
-                           const Rigid3d& T_cam_lidar) {
-  const Rigid3d T_camfrom_camto = T_cam_lidar * T_from_to * T_cam_lidar.Inverse();
-  const Eigen::Vector3d forward = T_camfrom_camto.t().normalized();
-  // Exp(w) T Exp(-w) = T Exp(Ad(T^-1) w) Exp(-w).
-  const Matrix6d by_rotation = T_camfrom_camto.Inverse().Adjoint() - Matrix6d::Identity();
-  const Matrix6d by_motion = T_cam_lidar.Adjoint();
-  std::vector<Row> rows;
-  rows.reserve(rays.size());
-  for (const Epipolar& pair : rays) {
-    if (forward.cross(pair.ray_cam_ref).norm() < kMinSine) continue;
-    if (forward.cross(T_camfrom_camto.q() * pair.ray_cam).norm() < kMinSine) continue;
-    const Residual<1> residual = Evaluate(pair, T_camfrom_camto, Rigid3d(), Matrix6d::Identity());
-    rows.push_back({residual.r[0], residual.J * by_rotation.leftCols<3>(), residual.J * by_motion});
-  }
-  return rows;
-}
-
-// Standard deviation of the residuals, from their median.
-double RobustSigma(const std::vector<Row>& rows) {
-  std::vector<double> absolute;
-  absolute.reserve(rows.size());
-  for (const Row& row : rows) absolute.push_back(std::abs(row.r));
-  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-  std::nth_element(absolute.begin(), middle, absolute.end());
-  return kMadToSigma * *middle;
+HandEyeOptions HandEyeOf(const ExtrinsicCalibrationOptions& options, const Calibration& given) {
+  HandEyeOptions out;
+  out.window_m = options.window_m;
+  out.max_frames = options.max_frames;
+  out.min_tracks = options.min_tracks;
+  out.corner_sigma_rad = options.corner_sigma_px / given.camera.fx_px;
+  out.motion_sigma_rad = options.motion_sigma_rad;
+  out.motion_sigma_share = options.motion_sigma_share;
+  return out;
 }
 
 }  // namespace
@@ -85,6 +45,7 @@ void ExtrinsicCalibrationOptions::Check() const {
       << "extrinsics.min_significance: must be at least doubt_significance";
   edges.Check();
   offset.Check();
+  check.Check();
 }
 
 ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
@@ -92,7 +53,9 @@ ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
     : options_(options),
       given_(given.T_cam_lidar),
       T_cam_lidar_(given.T_cam_lidar),
-      corner_sigma_rad_(options.corner_sigma_px / given.camera.fx_px),
+      hand_eye_(HandEyeOf(options, given)),
+      views_(hand_eye_),
+      check_(options.check, hand_eye_, options.prior_rad, options.min_significance),
       edges_(options.edges),
       offset_(options.offset) {
   options_.Check();
@@ -100,18 +63,25 @@ ExtrinsicCalibration::ExtrinsicCalibration(const Calibration& given,
 
 bool ExtrinsicCalibration::Add(const FeatureTracks& tracks, const Rigid3d& T_odom_lidar) {
   if (!options_.enabled) return false;
-  View view{T_odom_lidar, {}};
-  view.rays_cam.reserve(tracks.tracks.size());
-  for (const FeatureTrack& track : tracks.tracks) {
-    view.rays_cam.emplace_back(track.id, track.ray_cam.homogeneous().normalized());
+  const std::optional<HandEyeWindow> window = views_.Add(tracks, {T_odom_lidar});
+  if (!window) return false;
+  if (const auto equations = Linearize(*window, T_cam_lidar_, hand_eye_)) {
+    const double kept = std::exp(-1.0 / options_.memory_windows);
+    H_ = (kept * H_ + equations->H).eval();
+    b_ = (kept * b_ + equations->b).eval();
+    ++windows_;
   }
-  views_.push_back(std::move(view));
-  if (static_cast<int>(views_.size()) > options_.max_frames + 1) views_.pop_front();
-  const View* start = FindStart();
-  if (start == nullptr) return false;
-  Compare(*start, views_.back());
-  views_.erase(views_.begin(), views_.end() - 1);  // the next window begins here
   return Apply();
+}
+
+bool ExtrinsicCalibration::AddLidarOnly(const FeatureTracks& tracks, const LidarPose& pose) {
+  if (!options_.enabled) return false;
+  const std::optional<Eigen::Vector3d> error_rad = check_.Add(tracks, pose, T_cam_lidar_);
+  if (!error_rad) return false;
+  in_doubt_ = true;
+  Turn(*error_rad, 0.0);  // the poses so far have followed the wrong camera ...
+  views_.Forget();        // ... and so would a window that begins with one of them
+  return true;
 }
 
 bool ExtrinsicCalibration::WantsEdges(const Rigid3d& T_odom_lidar) {
@@ -127,45 +97,6 @@ bool ExtrinsicCalibration::AddEdges(EdgeProfiles edges) {
   edges_.Add(std::move(edges), reading, belief);
   const bool has_changed = is_new && ApplyDelay();
   return Apply() || has_changed;
-}
-
-const ExtrinsicCalibration::View* ExtrinsicCalibration::FindStart() const {
-  for (auto view = views_.rbegin(); view != views_.rend(); ++view) {
-    const Eigen::Vector3d way_m = view->T_odom_lidar.t() - views_.back().T_odom_lidar.t();
-    if (way_m.norm() >= options_.window_m) return &*view;
-  }
-  return nullptr;
-}
-
-void ExtrinsicCalibration::Compare(const View& from, const View& to) {
-  const Rigid3d T_from_to = from.T_odom_lidar.Inverse() * to.T_odom_lidar;
-  const std::vector<Row> rows =
-      Linearize(CommonRays(from.rays_cam, to.rays_cam), T_from_to, T_cam_lidar_);
-  if (static_cast<int>(rows.size()) < options_.min_tracks) return;
-  // Both rays have noise. Extrinsics that are far off make all residuals large: no outliers.
-  const double sigma = std::max(std::sqrt(2.0) * corner_sigma_rad_, RobustSigma(rows));
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 6, 3> H_cross = Eigen::Matrix<double, 6, 3>::Zero();
-  Matrix6d H_motion = Matrix6d::Zero();
-  Vector6d b_motion = Vector6d::Zero();
-  const double motion_sigma_m = options_.motion_sigma_share * T_from_to.t().norm();
-  H_motion.diagonal().head<3>().setConstant(std::pow(options_.motion_sigma_rad, -2));
-  H_motion.diagonal().tail<3>().setConstant(std::pow(motion_sigma_m, -2));
-  for (const Row& row : rows) {
-    const double whitened = row.r / sigma;
-    const double weight = Cauchy(whitened * whitened, kKernelSigmas).weight / (sigma * sigma);
-    H += weight * row.J_rotation.transpose() * row.J_rotation;
-    b += weight * row.r * row.J_rotation.transpose();
-    H_cross += weight * row.J_motion.transpose() * row.J_rotation;
-    H_motion += weight * row.J_motion.transpose() * row.J_motion;
-    b_motion += weight * row.r * row.J_motion.transpose();
-  }
-  const Eigen::LDLT<Matrix6d> solver(H_motion);
-  const double kept = std::exp(-1.0 / options_.memory_windows);
-  H_ = (kept * H_ + H - H_cross.transpose() * solver.solve(H_cross)).eval();
-  b_ = (kept * b_ + b - H_cross.transpose() * solver.solve(b_motion)).eval();
-  ++windows_;
 }
 
 Eigen::Matrix3d ExtrinsicCalibration::EdgeInformation() const {
@@ -206,11 +137,15 @@ bool ExtrinsicCalibration::Apply() {
       std::sqrt(correction_rad.dot(Covariance().ldlt().solve(correction_rad)));
   in_doubt_ = in_doubt_ || significance > options_.doubt_significance;
   if (significance < options_.min_significance) return false;
+  Turn(correction_rad, kKeptAfterCorrection);
+  return true;
+}
+
+void ExtrinsicCalibration::Turn(const Eigen::Vector3d& correction_rad, double kept) {
   T_cam_lidar_ = Rigid3d(ExpSo3(correction_rad), Eigen::Vector3d::Zero()) * T_cam_lidar_;
   applied_rad_ = LogSo3((T_cam_lidar_ * given_.Inverse()).q());
-  b_ = kKeptAfterCorrection * (b_ + H_ * correction_rad).eval();
-  H_ *= kKeptAfterCorrection;
-  return true;
+  b_ = kept * (b_ + H_ * correction_rad).eval();
+  H_ *= kept;
 }
 
 bool ExtrinsicCalibration::ApplyDelay() {
@@ -221,7 +156,7 @@ bool ExtrinsicCalibration::ApplyDelay() {
   const double change_s = offset.delay_s - applied_delay_s_;
   if (std::abs(change_s) < kSameDelaySigmas * offset.delay_sigma_s) return false;
   applied_delay_s_ = offset.delay_s;
-  views_.clear();
+  views_.Forget();
   return true;
 }
 

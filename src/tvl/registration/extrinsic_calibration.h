@@ -8,6 +8,9 @@
 // calibration with a moving camera; Tsai, Lenz: A new technique for fully autonomous and efficient
 // 3D robotics hand/eye calibration, 1989).
 //
+// Poses that believe a wrong camera follow it, and agree with it. So until the extrinsics have been
+// checked, poses of the lidar alone are asked, too (extrinsic_check.h).
+//
 // Extrinsics are believed until the drive contradicts them. From then on what the camera says of
 // the direction of motion counts for as little as that deserves (ExtrinsicError in pose_problem.h):
 // poses that a wrong camera has pulled along would hide its error.
@@ -18,14 +21,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <deque>
-#include <utility>
-#include <vector>
 
 #include "tvl/frame/feature_tracks.h"
 #include "tvl/geometry/rigid3.h"
 #include "tvl/registration/camera_offset.h"
 #include "tvl/registration/edge_alignment.h"
+#include "tvl/registration/extrinsic_check.h"
+#include "tvl/registration/hand_eye.h"
 #include "tvl/sensor/calibration.h"
 
 namespace tvl {
@@ -54,6 +56,7 @@ struct ExtrinsicCalibrationOptions {
   bool use_edges = true;          // outlines in the scan against the image's
   EdgeAlignmentOptions edges;
   CameraOffsetOptions offset;
+  ExtrinsicCheckOptions check;
   void Check() const;  // throws InputError naming the field
 };
 
@@ -80,8 +83,18 @@ class ExtrinsicCalibration {
   bool WantsEdges(const Rigid3d& T_odom_lidar);
   // Takes the outlines of a frame, found with T_cam_lidar() and delay_s(). True if one changed.
   bool AddEdges(EdgeProfiles edges);
+  // True while AddLidarOnly is to be called for each frame.
+  bool WantsLidarOnly() const { return options_.enabled && check_.IsDue(); }
+  // Takes the tracks of one frame, as Add does, and the pose of the lidar when its image was taken,
+  // found without the camera. True if T_cam_lidar() changed.
+  bool AddLidarOnly(const FeatureTracks& tracks, const LidarPose& pose);
   // What was seen before does not continue: the pose was lost, or moved.
-  void Forget() { views_.clear(); }
+  void Forget() {
+    views_.Forget();
+    check_.Forget();
+  }
+  // The same of poses of the lidar alone.
+  void ForgetLidarOnly() { check_.Forget(); }
 
   // The extrinsics to use: as given, until a correction is significant.
   const Rigid3d& T_cam_lidar() const { return T_cam_lidar_; }
@@ -93,35 +106,30 @@ class ExtrinsicCalibration {
   ExtrinsicEstimate estimate() const;
 
  private:
-  struct View {
-    Rigid3d T_odom_lidar;
-    std::vector<std::pair<TrackId, Eigen::Vector3d>> rays_cam;  // unit, by increasing id
-  };
-  // The view from which the newest is a window away, or null.
-  const View* FindStart() const;
-  void Compare(const View& from, const View& to);
   // What edges say of the rotation that is left; zero where tracks contradict them.
   Eigen::Matrix3d EdgeInformation() const;
   // Of the error that is left in T_cam_lidar().
   Eigen::Matrix3d Information() const;
   Eigen::Matrix3d Covariance() const;
   Eigen::Vector3d Remaining() const;
+  void Turn(const Eigen::Vector3d& correction_rad, double kept);
   bool Apply();
   bool ApplyDelay();
 
   ExtrinsicCalibrationOptions options_;
   Rigid3d given_, T_cam_lidar_;
-  double corner_sigma_rad_;
   Eigen::Vector3d applied_rad_ = Eigen::Vector3d::Zero();
+  HandEyeOptions hand_eye_;
+  HandEyeWindows views_;
   // Normal equations of the rotation that is left, linearised at T_cam_lidar_; the motions of the
   // windows marginalised out.
   Eigen::Matrix3d H_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b_ = Eigen::Vector3d::Zero();
+  int windows_ = 0;
+  ExtrinsicCheck check_;
   EdgeAlignment edges_;
   CameraOffset offset_;
   double applied_delay_s_ = 0.0;
-  std::deque<View> views_;
-  int windows_ = 0;
   bool in_doubt_ = false;
 };
 

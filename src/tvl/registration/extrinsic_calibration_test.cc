@@ -134,6 +134,75 @@ TEST(ExtrinsicCalibration, OutlivesMovingThings) {
   EXPECT_LT(left_rad.head<2>().cwiseAbs().maxCoeff(), DegToRad(0.07));
 }
 
+// Poses that follow the wrong camera agree with it: they are those of the lidar as a lidar sees
+// them whose mounting has the error, too.
+Rigid3d Following(const Rigid3d& T_world_lidar, const Eigen::Vector3d& error_rad) {
+  const Rigid3d T_cam_lidar = CameraAndLidar().T_cam_lidar;
+  const Rigid3d T_right = Rigid3d(ExpSo3(error_rad), Eigen::Vector3d::Zero()) * T_cam_lidar;
+  return T_world_lidar * T_right.Inverse() * T_cam_lidar;
+}
+
+TEST(ExtrinsicCalibration, LidarOnlyPosesTellWhatPosesThatFollowTheCameraHide) {
+  for (const double error_deg : {0.9, -0.9}) {
+    const Eigen::Vector3d error_rad(0.0, DegToRad(error_deg), 0.0);
+    const Rigid3d T_cam_lidar =
+        Rigid3d(ExpSo3(error_rad), Eigen::Vector3d::Zero()) * CameraAndLidar().T_cam_lidar;
+    ExtrinsicCalibration calibration(CameraAndLidar(), ExtrinsicCalibrationOptions());
+    Drive drive(7);
+    double found_after_m = 0.0;
+    for (double way_m = 0.0; way_m < 100.0; way_m += 1.0) {
+      const Rigid3d T = Drive::At(way_m);
+      const FeatureTracks tracks = drive.See(T, T_cam_lidar);
+      if (found_after_m == 0.0) {
+        EXPECT_FALSE(calibration.Add(tracks, Following(T, error_rad))) << "these hide it";
+        EXPECT_LT(calibration.estimate().rotation_rad.norm(), DegToRad(0.1));
+      } else {
+        calibration.Add(tracks, drive.Noisy(T));  // in doubt they do not follow it any more
+      }
+      if (!calibration.WantsLidarOnly()) continue;
+      if (calibration.AddLidarOnly(tracks, {drive.Noisy(T)})) found_after_m = way_m;
+    }
+    EXPECT_GT(found_after_m, 11.0);
+    EXPECT_LT(found_after_m, 20.0);
+    const Eigen::Vector3d left_rad = calibration.estimate().applied_rad - error_rad;
+    EXPECT_LT(left_rad.head<2>().cwiseAbs().maxCoeff(), DegToRad(0.1));
+    EXPECT_FALSE(calibration.RemainingError().isZero(0.0)) << "the rest stays in doubt";
+    EXPECT_FALSE(calibration.WantsLidarOnly()) << "what was corrected has been checked, too";
+  }
+}
+
+// What the direction of motion of the lidar is usually off by is no error of the camera.
+TEST(ExtrinsicCalibration, LidarOnlyPosesLeaveWhatTheyDoNotTell) {
+  for (const double bias_deg : {0.15, -0.15, 0.0}) {
+    ExtrinsicCalibration calibration(CameraAndLidar(), ExtrinsicCalibrationOptions());
+    Drive drive(8);
+    const Eigen::Vector3d bias_rad(0.0, DegToRad(bias_deg), 0.0);
+    for (double way_m = 0.0; way_m < 100.0; way_m += 1.0) {
+      const Rigid3d T = Drive::At(way_m);
+      const FeatureTracks tracks = drive.See(T, CameraAndLidar().T_cam_lidar);
+      EXPECT_FALSE(calibration.AddLidarOnly(tracks, {Following(drive.Noisy(T), bias_rad)}));
+    }
+    EXPECT_FALSE(calibration.WantsLidarOnly());
+    EXPECT_TRUE(calibration.RemainingError().isZero(0.0));
+  }
+}
+
+// Tracks that all lie on one thing that moves are one window or two; and a pose that says of itself
+// that it is not known tells nothing.
+TEST(ExtrinsicCalibration, LidarOnlyPosesAreBelievedAsFarAsTheyAreKnown) {
+  const Eigen::Vector3d error_rad(0.0, DegToRad(0.9), 0.0);
+  LidarPose pose;
+  pose.covariance = 0.1 * 0.1 * Matrix6d::Identity();
+  ExtrinsicCalibration calibration(CameraAndLidar(), ExtrinsicCalibrationOptions());
+  Drive drive(9);
+  for (double way_m = 0.0; way_m < 100.0; way_m += 1.0) {
+    pose.T_odom_lidar = Following(Drive::At(way_m), error_rad);
+    const FeatureTracks tracks = drive.See(Drive::At(way_m), CameraAndLidar().T_cam_lidar);
+    EXPECT_FALSE(calibration.AddLidarOnly(tracks, pose));
+  }
+  EXPECT_TRUE(calibration.WantsLidarOnly()) << "it goes on asking";
+}
+
 TEST(ExtrinsicCalibration, OptionsAreChecked) {
   ExtrinsicCalibrationOptions options;
   options.window_m = 0.0;

@@ -434,6 +434,13 @@ void VisitFields(Visitor& visit, CameraOffsetOptions& options) {
 }
 
 template <typename Visitor>
+void VisitFields(Visitor& visit, ExtrinsicCheckOptions& options) {
+  TVL_FIELD(enabled);
+  TVL_FIELD(bias_rad);
+  TVL_FIELD(min_windows);
+}
+
+template <typename Visitor>
 void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(enabled);
   TVL_FIELD(window_m);
@@ -450,6 +457,7 @@ void VisitFields(Visitor& visit, ExtrinsicCalibrationOptions& options) {
   TVL_FIELD(use_edges);
   TVL_FIELD(edges);
   TVL_FIELD(offset);
+  TVL_FIELD(check);
 }
 
 template <typename Visitor>

@@ -66,6 +66,8 @@ SlamSystem::SlamSystem(const SensorSetup& setup, Deskew deskew, const SlamOption
       moving_tracks_(setup_.calibration, options_.mapping.moving_tracks),
       beams_(setup.lidar.rows_are_beams ? setup.lidar.rows() : 0, options_.mapping.beams),
       extrinsics_(setup_.calibration, options_.extrinsics),
+      lidar_only_(setup_.calibration, options_.mapping.scan_to_map, options_.mapping.local_map,
+                  options_.mapping.keyframes),
       calibration_check_(setup_.calibration),
       uncertainty_(options_.uncertainty),
       known_{0, 0.0, uncertainty_},
@@ -114,14 +116,10 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
     CalibrateBeams(found, current);
     if (options_.use_camera) {
       UseDelay(last_motion_);
-      if (found.bridge) {
-        moving_tracks_.Forget();
-        extrinsics_.Forget();
-        calibration_check_.Forget();
-      }
+      if (found.bridge) ForgetViews();
       moving_tracks_.Update(all_tracks, all_depths, result.T_odom_lidar);
       landmarks_.Update(current.tracks, current.depths, result.T_odom_lidar);
-      CalibrateExtrinsics(current, all_tracks, &result);
+      CalibrateExtrinsics(current, all_tracks, found, executor, &result);
     }
   }
   result.is_keyframe = IsDueKeyframe(current, result);
@@ -145,9 +143,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   finder_.Advance(std::move(current), found, context);
   if (finder_.was_carried_away()) {
     landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
-    moving_tracks_.Forget();
-    extrinsics_.Forget();
-    calibration_check_.Forget();
+    ForgetViews();
   }
   if (lost_scans_ >= kRestartAfterScans && finder_.last_frame().has_scan &&
       finder_.MayHaveTravelled_m() > kSurroundings_m) {
@@ -327,53 +323,6 @@ void SlamSystem::CalibrateBeams(const FoundPose& found, const PreprocessedFrame&
              options_.mapping.scan_to_map.kernel_sigmas);
 }
 
-// What was placed with other extrinsics is let go of.
-void SlamSystem::CalibrateExtrinsics(const PreprocessedFrame& frame,
-                                     const FeatureTracks& all_tracks, FrameResult* result) {
-  const Rigid3d& T_odom_lidar = result->T_odom_lidar;
-  // With all tracks: a wrong calibration makes all that stands seem to move.
-  const std::string odd = calibration_check_.Add(all_tracks, T_odom_lidar);
-  if (!odd.empty()) {
-    result->faults.push_back(
-        {FrameFault::Kind::kOddCalibration, "frame " + std::to_string(frame.id) + ": " + odd});
-  }
-  const Rigid3d T_image =
-      Rigid3d::Exp(extrinsics_.delay_s() * last_motion_.Velocity_lidar());  // since the scan
-  bool has_changed = extrinsics_.Add(frame.tracks, T_odom_lidar * T_image);
-  // Read with the extrinsics in use: not in the frame in which they change.
-  if (!has_changed && frame.has_image && frame.has_scan && extrinsics_.WantsEdges(T_odom_lidar)) {
-    has_changed = extrinsics_.AddEdges(
-        preprocessor_.FindEdges(frame, last_motion_, options_.extrinsics.edges.max_edges));
-  }
-  if (has_changed) {  // camera 0 is turned with the one that is used: they sit on one frame
-    Calibration& calibration = setup_.calibration;
-    const Rigid3d T_cam0_cam = calibration.T_cam0_lidar * calibration.T_cam_lidar.Inverse();
-    calibration.T_cam_lidar = extrinsics_.T_cam_lidar();
-    calibration.T_cam0_lidar = T_cam0_cam * calibration.T_cam_lidar;
-  }
-  UseExtrinsics();
-  if (!has_changed) return;
-  landmarks_ = LandmarkMap(setup_.calibration, options_.mapping.landmarks);
-  moving_tracks_ = MovingTracks(setup_.calibration, options_.mapping.moving_tracks);
-}
-
-void SlamSystem::UseExtrinsics() {
-  if (!options_.extrinsics.enabled) return;
-  setup_.calibration.rotation_covariance = extrinsics_.RemainingError();
-  preprocessor_.SetCalibration(setup_.calibration);
-  finder_.SetCalibration(setup_.calibration);
-}
-
-void SlamSystem::UseDelay(const PredictedMotion& motion) {
-  if (extrinsics_.delay_s() == 0.0) return;
-  const Calibration delayed =
-      Delayed(setup_.calibration, extrinsics_.delay_s(), motion.Velocity_lidar());
-  preprocessor_.SetCalibration(delayed);
-  finder_.SetCalibration(delayed);
-  landmarks_.SetCalibration(delayed);
-  moving_tracks_.SetCalibration(delayed);
-}
-
 bool SlamSystem::IsDueKeyframe(const PreprocessedFrame& frame, const FrameResult& result) const {
   if (!frame.has_scan || !IsMeasured(result.status)) return false;
   const Rigid3d T_lastkeyframe_cur =
@@ -389,9 +338,7 @@ void SlamSystem::Restart(const FrameResult& result, const Executor& executor) {
   if (loop_closer_ != nullptr) CloseLoops(executor);
   known_ = {path_.size() - 1, path_m_, uncertainty_};
   finder_.Restart();
-  moving_tracks_.Forget();
-  extrinsics_.Forget();
-  calibration_check_.Forget();
+  ForgetViews();
   lost_scans_ = 0;
 }
 

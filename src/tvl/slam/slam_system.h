@@ -13,6 +13,7 @@
 #include "tvl/frame/motion_estimate.h"
 #include "tvl/map/map.h"
 #include "tvl/mapping/landmark_map.h"
+#include "tvl/mapping/lidar_only_path.h"
 #include "tvl/mapping/local_map.h"
 #include "tvl/registration/beam_calibration.h"
 #include "tvl/registration/extrinsic_calibration.h"
@@ -126,7 +127,13 @@ class SlamSystem {
   void CalibrateBeams(const FoundPose& found, const PreprocessedFrame& frame);
   // `all_tracks`: those on moving things, too.
   void CalibrateExtrinsics(const PreprocessedFrame& frame, const FeatureTracks& all_tracks,
-                           FrameResult* result);
+                           const FoundPose& found, const Executor& executor, FrameResult* result);
+  // With poses that the camera has no part in; `T_image` is the motion from the scan's instant to
+  // the image's. True if the extrinsics changed.
+  bool CheckExtrinsics(const PreprocessedFrame& frame, const FoundPose& found,
+                       const Rigid3d& T_image, const Executor& executor);
+  // What was seen before the pose was lost, or moved, does not continue.
+  void ForgetViews();
   // As far as they are known by now, from the next frame on.
   void UseExtrinsics();
   // Of an image that is late, in a frame with that motion.
@@ -165,6 +172,7 @@ class SlamSystem {
   MovingTracks moving_tracks_;
   BeamCalibration beams_;
   ExtrinsicCalibration extrinsics_;
+  LidarOnlyPath lidar_only_;
   CalibrationCheck calibration_check_;
   Map map_;
   OdometryPath path_;
