@@ -19,6 +19,8 @@ struct InputOptions {
   std::string profile;
   // KITTI folders: 0..3, or -1 for the lowest camera that has images.
   int camera = -1;
+  // A rig.yaml (io/rig.h): what the recording does not say, or says wrongly. Empty: none.
+  std::string rig;
   // Bags: topics of the scans and the images. Empty: found by their types.
   std::string lidar_topic, image_topic;
   // The frame the command begins with; its scan must be usable unless require_first_scan is off.
@@ -47,7 +49,7 @@ class ReconfiguredDataset : public Dataset {
 // What --deskew says; empty for auto. The command line has refused anything else.
 std::optional<Deskew> ParseDeskew(const std::string& text);
 
-// Adds --profile, --lidar-topic and --image-topic to a command; `options` must outlive it.
+// Adds --profile, --rig, --lidar-topic and --image-topic to a command; `options` must outlive it.
 void AddInputOptions(CLI::App* command, InputOptions* options);
 
 // INPUT in the help of the commands.

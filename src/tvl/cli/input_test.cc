@@ -15,7 +15,11 @@ TEST(OpenInput, NamesWhatIsWrong) {
     EXPECT_EQ(std::string(e.what()), "no/such/folder: no such folder");
   }
   EXPECT_THROW(OpenInput("sim:no such preset"), InputError);
-  EXPECT_THROW(OpenInput(".", {"no such profile"}), InputError);
+  InputOptions options;
+  options.profile = "no such profile";
+  EXPECT_THROW(OpenInput(".", options), InputError);
+  options.rig = "rig.yaml";
+  EXPECT_THROW(OpenInput(".", options), InputError);  // both
 }
 
 #ifdef TVL_WITH_SIM

@@ -9,6 +9,8 @@
 #include "tvl/base/units.h"
 #include "tvl/cli/commands.h"
 #include "tvl/cli/input.h"
+#include "tvl/io/atomic_file.h"
+#include "tvl/io/rig.h"
 #include "tvl/io/velodyne_bin.h"
 
 namespace tvl {
@@ -175,12 +177,24 @@ std::string DeskewText(const SensorSetup& setup) {
   return "";
 }
 
-void RunInspect(const std::string& spec, InputOptions options) {
+void WriteRig(const SensorSetup& setup, const InputOptions& options, const std::string& path) {
+  Rig rig;
+  rig.lidar = setup.lidar;
+  if (setup.has_camera) rig.camera = setup.calibration.camera;
+  if (setup.has_camera) rig.T_cam_lidar = setup.calibration.T_cam_lidar;
+  rig.lidar_topic = options.lidar_topic;
+  rig.image_topic = options.image_topic;
+  WriteAtomically(path, [&](std::ostream& out) { out << DumpRig(rig); });
+  std::cout << "rig written to " << path << "\n";
+}
+
+void RunInspect(const std::string& spec, InputOptions options, const std::string& rig) {
   options.require_first_scan = false;
   const auto dataset = OpenInput(spec, options);
   const Executor executor(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   const InspectReport report = Inspect(*dataset, executor);
   PrintReport(*dataset, report, std::cout);
+  if (!rig.empty()) WriteRig(dataset->setup(), options, rig);
   if (!report.usable) throw CLI::RuntimeError(2);
 }
 
@@ -227,13 +241,17 @@ void AddInspectCommand(CLI::App& app) {
   struct Arguments {
     std::string input;
     InputOptions options;
+    std::string rig;
   };
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("INPUT", arguments->input, kInputHelp)->required();
   AddInputOptions(command, &arguments->options);
   command->add_option("--camera", arguments->options.camera, "Camera 0..3 of a KITTI folder")
       ->check(CLI::Range(0, 3));
-  command->callback([arguments] { RunInspect(arguments->input, arguments->options); });
+  command->add_option("--write-rig", arguments->rig,
+                      "File to write what was recognised of the sensors to, for tvl run --rig");
+  command->callback(
+      [arguments] { RunInspect(arguments->input, arguments->options, arguments->rig); });
 }
 
 }  // namespace tvl

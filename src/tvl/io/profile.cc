@@ -1,33 +1,14 @@
 #include "tvl/io/profile.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "tvl/base/check.h"
 #include "tvl/base/units.h"
 #include "tvl/io/embedded_profiles.h"
+#include "tvl/io/yaml_values.h"
 
 namespace tvl {
 namespace {
-
-// "source:line: lidar.key", the head of every message.
-std::string Where(const std::string& source, const YAML::Node& node, const std::string& key) {
-  std::ostringstream out;
-  out << source << ":" << node.Mark().line + 1 << ": " << key;
-  return out.str();
-}
-
-template <typename T>
-T As(const YAML::Node& node, const std::string& where) {
-  try {
-    return node.as<T>();
-  } catch (const YAML::Exception&) {
-    throw InputError(where + ": wrong kind of value");
-  }
-}
 
 std::vector<double> BeamBlocks(const YAML::Node& node, const std::string& where) {
   std::vector<double> beams_rad;
@@ -83,34 +64,12 @@ LidarModel WithKey(LidarModel model, const std::string& key, const YAML::Node& v
   return model;
 }
 
-YAML::Node ParseYaml(const std::string& yaml, const std::string& source) {
-  try {
-    return YAML::Load(yaml);
-  } catch (const YAML::Exception& e) {
-    throw InputError(source + ": " + e.what());
-  }
-}
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  TVL_CHECK_INPUT(file.good()) << path << ": cannot be read";
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
-LidarModel ParseProfile(const std::string& yaml, const std::string& source) {
-  const YAML::Node root = ParseYaml(yaml, source);
-  TVL_CHECK_INPUT(root.IsMap() && root["lidar"] && root["lidar"].IsMap())
-      << source << ": a profile is a map with the key `lidar`";
-  for (const auto& entry : root) {
-    const auto key = entry.first.as<std::string>();
-    TVL_CHECK_INPUT(key == "lidar") << Where(source, entry.first, key) << ": unknown key";
-  }
+LidarModel LidarOfSection(const YAML::Node& section, const std::string& source) {
+  TVL_CHECK_INPUT(section.IsMap()) << Where(source, section, "lidar") << ": want a map";
   LidarModel model;
-  for (const auto& entry : root["lidar"]) {
+  for (const auto& entry : section) {
     const auto key = entry.first.as<std::string>();
     model = WithKey(model, key, entry.second, Where(source, entry.first, "lidar." + key));
   }
@@ -122,12 +81,25 @@ LidarModel ParseProfile(const std::string& yaml, const std::string& source) {
   return model;
 }
 
+LidarModel ParseProfile(const std::string& yaml, const std::string& source) {
+  const YAML::Node root = ParseYaml(yaml, source);
+  TVL_CHECK_INPUT(root.IsMap() && root["lidar"] && root["lidar"].IsMap())
+      << source << ": a profile is a map with the key `lidar`";
+  for (const auto& entry : root) {
+    const auto key = entry.first.as<std::string>();
+    TVL_CHECK_INPUT(key == "lidar") << Where(source, entry.first, key) << ": unknown key";
+  }
+  return LidarOfSection(root["lidar"], source);
+}
+
 LidarModel LoadProfile(const std::string& name) {
   for (const EmbeddedProfile& profile : EmbeddedProfiles()) {
     if (profile.name == name) return ParseProfile(profile.yaml, "profile " + name);
   }
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(name, ignored)) return ParseProfile(ReadText(name), name);
+  if (std::filesystem::is_regular_file(name, ignored)) {
+    return ParseProfile(ReadWholeText(name), name);
+  }
   std::string known;
   for (const std::string& profile : ProfileNames()) known += (known.empty() ? "" : ", ") + profile;
   throw InputError("profile `" + name + "`: neither a file nor one of " + known);
