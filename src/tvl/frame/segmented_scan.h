@@ -30,12 +30,11 @@ inline constexpr int32_t kFirstClusterLabel = 2;
 struct SegmentedScan {
   std::vector<Eigen::Vector3f> points;  // p_lidar, m
   std::vector<float> intensity;         // 0..1
-  std::vector<float> time_offset_s;     // relative to the frame's stamp; all alike if compensated
+  std::vector<float> time_offset_s;     // relative to the frame's stamp; all 0 if compensated
   std::vector<uint16_t> ring;           // row
   std::vector<int32_t> label;           // kLabel..., clusters from kFirstClusterLabel
   RangeImage image;
-  double middle_s = 0.0;  // of the sweep, or the instant it is compensated to, after the stamp
-  int clusters = 0;       // kept clusters; labels run to kFirstClusterLabel + clusters
+  int clusters = 0;  // kept clusters; labels run to kFirstClusterLabel + clusters
 
   size_t size() const { return points.size(); }
 };

@@ -159,10 +159,7 @@ void RecordedDataset::Pair() {
 
 Timestamp RecordedDataset::Stamp(size_t index) const {
   TVL_CHECK(index < size()) << index << " of " << size();
-  const std::optional<size_t>& image = image_of_[index];
-  const std::optional<Timestamp> taken =
-      image ? recording_.images->Stamp(*image) : std::optional<Timestamp>();
-  return taken ? *taken : MiddleOf(index);
+  return MiddleOf(index);
 }
 
 SensorFrame RecordedDataset::Frame(size_t index) const {
@@ -174,9 +171,7 @@ SensorFrame RecordedDataset::Frame(size_t index) const {
   frame.faults = std::move(read.faults);
   if (read.scan != nullptr) {
     LidarScan scan = ApplyLayout(*read.scan, layout_, stamps_[index]);
-    const double stamp_s = SecondsBetween(frame.stamp, stamps_[index]);
-    for (float& offset_s : scan.time_offset_s) offset_s += static_cast<float>(stamp_s);
-    scan.middle_s = stamp_s + middle_s_;
+    for (float& offset_s : scan.time_offset_s) offset_s -= static_cast<float>(middle_s_);
     if (scan.size() > 0) {
       frame.scan = std::make_shared<const LidarScan>(std::move(scan));
     } else {
@@ -186,6 +181,8 @@ SensorFrame RecordedDataset::Frame(size_t index) const {
   if (setup_.has_camera && image_of_[index]) {
     ImageRead image = recording_.images->Read(*image_of_[index]);
     frame.image = image.image;
+    const std::optional<Timestamp> taken = recording_.images->Stamp(*image_of_[index]);
+    if (taken) frame.image_delay_s = SecondsBetween(frame.stamp, *taken);
     for (FrameFault& fault : image.faults) frame.faults.push_back(std::move(fault));
   } else if (setup_.has_camera) {
     frame.faults.push_back(

@@ -1,9 +1,8 @@
 // A Recording as a Dataset: what the points of its scans mean, and which image belongs to which
 // scan.
 //
-// A frame is a scan and the image nearest to the middle of its sweep. The frame's stamp is that of
-// the image, and the scan's times are counted from there, so that the pose is the one the image was
-// taken from; a frame without image is stamped with the middle of the sweep.
+// A frame is a scan, stamped with the middle of its sweep, and the image nearest to that, which
+// says how much later it was taken.
 #pragma once
 
 #include <memory>

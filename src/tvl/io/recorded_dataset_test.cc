@@ -88,17 +88,17 @@ TEST(RecordedDataset, ScansStampedAtTheirStartArePairedByTheirMiddle) {
   const SensorFrame frame = dataset.Frame(2);
   ASSERT_FALSE(frame.image.empty());
   EXPECT_EQ(frame.image.at<uint8_t>(0, 0), 100 + 4);  // at 237 ms, of the sweep about 250 ms
-  EXPECT_NEAR(SecondsBetween(Timestamp::FromSeconds(kEpoch_s), frame.stamp), 0.237, 1e-6);
+  EXPECT_NEAR(SecondsBetween(Timestamp::FromSeconds(kEpoch_s), frame.stamp), 0.250, 1e-3);
+  EXPECT_NEAR(frame.image_delay_s, -0.013, 1e-3);
   ASSERT_EQ(frame.scan->time_offset_s.size(), frame.scan->size());
-  EXPECT_NEAR(frame.scan->time_offset_s.front(), -0.037, 1e-3);
-  EXPECT_NEAR(frame.scan->time_offset_s.back(), 0.063, 1e-3);
-  EXPECT_NEAR(frame.scan->middle_s, 0.013, 1e-3);
+  EXPECT_NEAR(frame.scan->time_offset_s.front(), -0.05, 1e-3);
+  EXPECT_NEAR(frame.scan->time_offset_s.back(), 0.05, 1e-3);
 }
 
 TEST(RecordedDataset, WithoutTimesOfThePointsTheOrderGivesThem) {
   const RecordedDataset dataset(RecordingOf(false, 0.0, 0.1), {});
   const SensorFrame frame = dataset.Frame(3);
-  EXPECT_NEAR(frame.scan->middle_s, 0.0, 1e-3);
+  EXPECT_NEAR(frame.image_delay_s, 0.0, 1e-3);
   EXPECT_NEAR(frame.scan->time_offset_s.front(), -0.05, 1e-3);
   EXPECT_NEAR(frame.scan->time_offset_s.back(), 0.05, 1e-3);
   EXPECT_EQ(frame.scan->ring.front(), 0);

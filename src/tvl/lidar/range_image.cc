@@ -62,7 +62,6 @@ SegmentedScan FillPoints(const LidarScan& scan, const ScanGeometry& geometry,
   const float cosine = static_cast<float>(std::cos(model.vertical_correction_rad));
   const float sine = static_cast<float>(std::sin(model.vertical_correction_rad));
   const bool own_times = !scan.time_offset_s.empty() && deskew != Deskew::kNone;
-  const float middle_s = static_cast<float>(scan.middle_s);
   const float s_per_rad = TimeOffset_s(1.0f, deskew, model.sweep_s);
   size_t next = 0;
   for (int32_t& point : out.image.point) {
@@ -71,7 +70,7 @@ SegmentedScan FillPoints(const LidarScan& scan, const ScanGeometry& geometry,
     out.points[next] = Raise(scan.points[i], cosine, sine);
     out.intensity[next] = scan.intensity.empty() ? 0.0f : scan.intensity[i];
     out.time_offset_s[next] =
-        own_times ? scan.time_offset_s[i] : s_per_rad * geometry.azimuth_rad[i] + middle_s;
+        own_times ? scan.time_offset_s[i] : s_per_rad * geometry.azimuth_rad[i];
     out.ring[next] = rings.row[i];
     point = static_cast<int32_t>(next++);
   }
@@ -88,7 +87,6 @@ RangeImageResult BuildRangeImage(const LidarScan& scan, const ScanGeometry& geom
   RangeImageResult out;
   out.scan = std::move(reuse);
   RangeImage& image = out.scan.image;
-  out.scan.middle_s = scan.middle_s;
   image.rows = rings.rows;
   image.columns = model.columns;
   const size_t cells = image.Index(image.rows, 0);

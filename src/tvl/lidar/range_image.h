@@ -21,7 +21,7 @@ struct RangeImageResult {
 // cell is kept. The points of the result are ordered by row, then column (left to right), so that
 // one row's points lie side by side; they carry the model's vertical correction. Time offsets are
 // the scan's own, else azimuth and spin give them (the stamp is the instant the sensor faces
-// forward, +-pi are half a sweep away); for Deskew::kNone all are that of the sweep's middle.
+// forward, +-pi are half a sweep away); all zero for Deskew::kNone.
 // `geometry` and `rings` belong to `scan`. `reuse` hands in memory.
 RangeImageResult BuildRangeImage(const LidarScan& scan, const ScanGeometry& geometry,
                                  const RingAssignment& rings, const LidarModel& model,

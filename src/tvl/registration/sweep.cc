@@ -7,13 +7,13 @@ namespace tvl {
 
 int SweepBins::BinOf(double time_offset_s, double period_s) const {
   if (bins == 1) return 0;
-  const double share = 0.5 - middle + time_offset_s / period_s;
+  const double share = 0.5 + time_offset_s / period_s;
   return std::clamp(static_cast<int>(std::floor(share * bins)), 0, bins - 1);
 }
 
 SweepMotion::SweepMotion(const SweepBins& sweep, const Rigid3d& T_k_k1) {
   bins.resize(static_cast<size_t>(sweep.bins));
-  if (sweep.bins == 1 && sweep.middle == 0.0) {
+  if (sweep.bins == 1) {
     bins[0] = {T_k_k1.R(), T_k_k1.t(), Matrix6d::Identity()};
     return;
   }

@@ -8,18 +8,15 @@
 
 namespace tvl {
 
-// Times are cut into bins. Bin i stands for s = 0.5 + middle + (i + 0.5) / bins in T_k_i = s (x)
-// T_k_k1; one bin stands for s = 1 + middle: compensated scans, and images.
+// Times are cut into bins. Bin i stands for s = 0.5 + (i + 0.5) / bins in T_k_i = s (x) T_k_k1; one
+// bin stands for s = 1: compensated scans, and images.
 struct SweepBins {
   int bins = 1;
-  // By this share of the period the middle of the sweep lies after the stamp: 0 where stamps are
-  // those of the sweep's middle.
-  double middle = 0.0;
 
-  static SweepBins Compensated(double middle = 0.0) { return {1, middle}; }
+  static SweepBins Compensated() { return {1}; }
   // 128 bins of a 0.1 s sweep: the rest within a bin is taken to its middle by the caller.
-  static SweepBins Raw(double middle = 0.0) { return {128, middle}; }
-  double Share(int bin) const { return middle + (bins == 1 ? 1.0 : 0.5 + (bin + 0.5) / bins); }
+  static SweepBins Raw() { return {128}; }
+  double Share(int bin) const { return bins == 1 ? 1.0 : 0.5 + (bin + 0.5) / bins; }
   // Bin of a point measured time_offset_s from the stamp, with period_s between stamps.
   int BinOf(double time_offset_s, double period_s) const;
 };

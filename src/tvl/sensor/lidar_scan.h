@@ -16,9 +16,6 @@ struct LidarScan {
   // Seconds from the frame's stamp to the instant the point was measured (negative before).
   // Empty where the sensor gives none: it is then derived from azimuth and spin direction.
   std::vector<float> time_offset_s;
-  // Seconds from the frame's stamp to the middle of the sweep, or to the instant the points are
-  // compensated to: not 0 where the image of the frame was taken at another time.
-  double middle_s = 0.0;
 
   size_t size() const { return points.size(); }
 };

@@ -41,13 +41,14 @@ const char* ToString(FrameFault::Kind kind);
 // The fault for which a frame has no scan; null where none says so.
 const FrameFault* FaultOfScan(const std::vector<FrameFault>& faults);
 
-// The stamp is the image instant; a pose belongs to that instant; a compensated scan is
-// compensated to it.
+// A pose belongs to the instant of the stamp, and a compensated scan is compensated to it: the
+// middle of the sweep. The image may have been taken at another time.
 struct SensorFrame {
   FrameId id = 0;
   Timestamp stamp;
   std::shared_ptr<const LidarScan> scan;  // null: absent or unusable
   cv::Mat image;                          // empty: absent or unusable; 8 or 16 bit, 1 or 3 channels
+  double image_delay_s = 0.0;  // from the stamp to the instant the image was taken, as recorded
   std::vector<FrameFault> faults;
 };
 

@@ -32,7 +32,6 @@ bool IsUsablePoint(const LidarScan& scan, size_t i, float max_offset_s) {
 
 LidarScan UsablePoints(const LidarScan& scan, float max_offset_s) {
   LidarScan usable;
-  usable.middle_s = scan.middle_s;
   for (size_t i = 0; i < scan.size(); ++i) {
     if (!IsUsablePoint(scan, i, max_offset_s)) continue;
     usable.points.push_back(scan.points[i]);

@@ -38,9 +38,6 @@ struct FrameInterval {
   double period_s = 0.1;    // one of them, whole turns of the lidar
   StampVerdict verdict = StampVerdict::kRegular;
   double stamp_s = 0.1;  // what the stamps say has passed
-  // What the frame's stamp lies later within its sweep than that of the frame before: images that
-  // are not taken in step with the lidar.
-  double shift_s = 0.0;
 };
 
 class FrameClock {

@@ -10,7 +10,7 @@ namespace tvl {
 namespace {
 
 FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
-                                const Rigid3d& T_prev_cur, double duration_s) {
+                                const Rigid3d& T_prev_cur, double duration_s, Deskew deskew) {
   FeatureCloud cloud;
   std::vector<float> offset_s;
   cloud.points.reserve(features.size());
@@ -21,7 +21,7 @@ FeatureCloud CompensateFeatures(const std::vector<LaserFeature>& features,
     cloud.intensity.push_back(feature.intensity);
     offset_s.push_back(feature.time_offset_s);
   }
-  if (std::any_of(offset_s.begin(), offset_s.end(), [](float s) { return s != 0.0F; })) {
+  if (deskew != Deskew::kNone) {
     cloud.points = DeskewPoints(cloud.points, offset_s, T_prev_cur, duration_s);
   }
   return cloud;
@@ -88,8 +88,8 @@ void FrameTracker::Advance(const PreprocessedFrame& frame, const KeyframeCloud& 
 
 KeyframeCloud FrameTracker::Compensate(const PreprocessedFrame& frame, const Rigid3d& T_prev_cur,
                                        double duration_s) const {
-  return {CompensateFeatures(frame.features.less_sharp, T_prev_cur, duration_s),
-          CompensateFeatures(frame.features.less_flat, T_prev_cur, duration_s)};
+  return {CompensateFeatures(frame.features.less_sharp, T_prev_cur, duration_s, deskew_),
+          CompensateFeatures(frame.features.less_flat, T_prev_cur, duration_s, deskew_)};
 }
 
 KeyframeCloud FrameTracker::WithoutNewClusters(const PreprocessedFrame& frame,
@@ -132,8 +132,7 @@ void FrameTracker::EstimateMotion(const PreprocessedFrame& frame, const PoseHypo
 MotionEstimate FrameTracker::EstimateOdometry(const PreprocessedFrame& frame,
                                               const MotionPrediction& motion,
                                               const Executor& executor) {
-  const double middle = frame.scan.middle_s / motion.duration_s();
-  const SweepBins bins = is_compensated() ? SweepBins::Compensated(middle) : SweepBins::Raw(middle);
+  const SweepBins bins = is_compensated() ? SweepBins::Compensated() : SweepBins::Raw();
   return odometry_.Estimate(frame, {motion.T_prev_cur, motion.covariance, motion.known}, bins,
                             motion.duration_s(), executor);
 }

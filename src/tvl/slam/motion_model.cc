@@ -36,12 +36,10 @@ Matrix6d MotionModel::AccelerationCovariance(int periods) const {
   return (sum * variance).asDiagonal();
 }
 
-MotionPrediction MotionModel::Predict(int periods, double period_s, double shift_s) const {
+MotionPrediction MotionModel::Predict(int periods, double period_s) const {
   MotionPrediction prediction;
   prediction.periods = std::max(1, periods);
   prediction.period_s = period_s;
-  // Never back in time: a stamp lies within its sweep.
-  prediction.shift_s = std::max(shift_s, -0.9 * period_s);
   prediction.known = known_;
   if (!known_) {
     Vector6d variance;
@@ -50,16 +48,16 @@ MotionPrediction MotionModel::Predict(int periods, double period_s, double shift
     prediction.covariance = variance.asDiagonal();
     return prediction;
   }
-  const double passed = periods == 0 ? 0.0 : prediction.duration_periods();
-  prediction.T_prev_cur = Scale(passed, T_period_);
-  prediction.covariance = covariance_ * (passed * passed) + AccelerationCovariance(periods);
+  prediction.T_prev_cur = Scale(periods, T_period_);
+  prediction.covariance =
+      covariance_ * static_cast<double>(periods * periods) + AccelerationCovariance(periods);
   return prediction;
 }
 
-void MotionModel::Update(const Rigid3d& T_prev_cur, const Matrix6d& covariance, double periods) {
-  TVL_CHECK(periods > 0.0) << "a motion takes time";
+void MotionModel::Update(const Rigid3d& T_prev_cur, const Matrix6d& covariance, int periods) {
+  TVL_CHECK(periods >= 1) << "a motion takes time";
   T_period_ = Scale(1.0 / periods, T_prev_cur);
-  covariance_ = covariance / (periods * periods);
+  covariance_ = covariance / static_cast<double>(periods * periods);
   known_ = true;
 }
 

@@ -19,11 +19,9 @@ struct MotionPrediction {
   Matrix6d covariance = Matrix6d::Identity();
   int periods = 1;        // of the lidar, between the two frames
   double period_s = 0.1;  // one of them
-  double shift_s = 0.0;   // of the stamps within their sweeps: adds to the whole periods
   bool known = false;     // false: no velocity is known, the motion is the identity
 
-  double duration_s() const { return periods * period_s + shift_s; }
-  double duration_periods() const { return duration_s() / period_s; }
+  double duration_s() const { return periods * period_s; }
 };
 
 class MotionModel {
@@ -35,10 +33,10 @@ class MotionModel {
   const Rigid3d& T_period() const { return T_period_; }
 
   // The motion of the next `periods` (0: none, the vehicle has not moved).
-  MotionPrediction Predict(int periods, double period_s, double shift_s = 0.0) const;
+  MotionPrediction Predict(int periods, double period_s) const;
 
   // The motion over `periods` was found with this covariance (as MotionPrediction's).
-  void Update(const Rigid3d& T_prev_cur, const Matrix6d& covariance, double periods);
+  void Update(const Rigid3d& T_prev_cur, const Matrix6d& covariance, int periods);
   // Nothing was measured for `periods`: the velocity stays and its covariance grows.
   void Coast(int periods);
   // The velocity is no longer known.

@@ -380,7 +380,7 @@ void PoseFinder::Advance(PreprocessedFrame frame, const FoundPose& found,
                                 (found.origin != PoseOrigin::kAlignment || !motion_.known());
     if (is_measured && tells_velocity) {
       motion_.Update(slip ? slip->T_prev_cur : tracked.Motion(T_odom_prev_),
-                     tracked.step_covariance, tracked.start.duration_periods());
+                     tracked.step_covariance, tracked.start.periods);
     } else {
       motion_.Coast(context.interval.periods);
     }

@@ -82,7 +82,7 @@ class PoseFinder {
 
   // What is expected, before the frame is preprocessed.
   MotionPrediction Predict(const FrameInterval& interval) const {
-    return motion_.Predict(interval.periods, interval.period_s, interval.shift_s);
+    return motion_.Predict(interval.periods, interval.period_s);
   }
 
   // Where the traffic around carries the estimate with it: takes out of the frame what may be

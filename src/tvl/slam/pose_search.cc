@@ -64,8 +64,7 @@ std::vector<MotionPrediction> AlternativeMotions(const MotionModel& model,
   add(interval.nearest_periods);
   for (const int multiple : kMultiples) add(multiple);
   std::vector<MotionPrediction> motions;
-  for (const int n : periods)
-    motions.push_back(model.Predict(n, interval.period_s, n == 0 ? 0.0 : interval.shift_s));
+  for (const int n : periods) motions.push_back(model.Predict(n, interval.period_s));
   return motions;
 }
 

@@ -114,7 +114,7 @@ void Preprocessor::ProcessScan(const SensorFrame& frame, const BeamOffsets& beam
 
 std::vector<Eigen::Vector3f> Preprocessor::PointsAtStamp(const PreprocessedFrame& frame,
                                                          const PredictedMotion& motion) const {
-  if (deskew_ == Deskew::kNone && frame.scan.middle_s == 0.0) return frame.scan.points;
+  if (deskew_ == Deskew::kNone) return frame.scan.points;
   return DeskewPoints(frame.scan.points, frame.scan.time_offset_s, motion.T_prev_cur,
                       motion.period_s);
 }

@@ -97,6 +97,7 @@ FrameResult SlamSystem::ProcessFrame(const SensorFrame& input, const Executor& e
   }
 
   const MotionPrediction predicted = finder_.Predict(context.interval);
+  if (!frame.image.empty()) image_delay_s_ = frame.image_delay_s;
   UseDelay({predicted.T_prev_cur, predicted.duration_s()});
   PreprocessedFrame current =
       preprocessor_.Process(frame, {predicted.T_prev_cur, predicted.duration_s()}, beams_.offsets(),
@@ -170,11 +171,7 @@ SensorFrame SlamSystem::WithoutRepetitions(SensorFrame frame, FrameContext* cont
       frame.faults.push_back({FrameFault::Kind::kOddCalibration, name + ": " + odd});
   }
   const Repetition repetition = repetition_.Check(frame);
-  // The lidar keeps time; images may be taken at any time within its sweeps.
-  const double middle_s = frame.scan != nullptr ? frame.scan->middle_s : last_middle_s_;
-  context->interval = clock_.Advance({frame.stamp.ns + Timestamp::FromSeconds(middle_s).ns});
-  context->interval.shift_s = path_.empty() ? 0.0 : last_middle_s_ - middle_s;
-  last_middle_s_ = middle_s;
+  context->interval = clock_.Advance(frame.stamp);
   const FrameInterval& interval = context->interval;
   stamp_ = path_.empty() ? frame.stamp : Advanced(stamp_, frame.stamp, interval.period_s);
   std::ostringstream passed;

@@ -179,7 +179,8 @@ class SlamSystem {
   PredictedMotion last_motion_;  // of the last frame, as estimated
   Timestamp stamp_;              // of the last frame; runs on where stamps do not advance
   FrameStatus last_status_ = FrameStatus::kFirst;
-  double last_middle_s_ = 0.0;  // LidarScan::middle_s of the last scan
+  double image_delay_s_ = 0.0;  // SensorFrame::image_delay_s of the frame
+  bool is_delayed_ = false;     // the calibration in use is that of a delayed image
   bool was_repeated_ = false;   // the last frame
   int lost_scans_ = 0;          // in a row
   double path_m_ = 0.0;

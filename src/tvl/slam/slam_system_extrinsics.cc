@@ -76,9 +76,10 @@ void SlamSystem::UseExtrinsics() {
 }
 
 void SlamSystem::UseDelay(const PredictedMotion& motion) {
-  if (extrinsics_.delay_s() == 0.0) return;
-  const Calibration delayed =
-      Delayed(setup_.calibration, extrinsics_.delay_s(), motion.Velocity_lidar());
+  const double delay_s = image_delay_s_ + extrinsics_.delay_s();
+  if (delay_s == 0.0 && !is_delayed_) return;
+  is_delayed_ = delay_s != 0.0;
+  const Calibration delayed = Delayed(setup_.calibration, delay_s, motion.Velocity_lidar());
   preprocessor_.SetCalibration(delayed);
   finder_.SetCalibration(delayed);
   landmarks_.SetCalibration(delayed);
