@@ -73,7 +73,8 @@ constexpr int kMostLines = 512;
 
 LineRows SortLines(std::vector<LineElevation> lines) {
   if (Trend(lines) != 0) {
-    lines = WithUnseenLines(std::move(lines), UsualNumberOfBeams(static_cast<int>(lines.size())));
+    const int usual = UsualNumberOfBeams(static_cast<int>(lines.size()));
+    lines = WithUnseenLines(std::move(lines), usual);
   }
   std::vector<size_t> order;
   for (size_t i = 0; i < lines.size(); ++i) {

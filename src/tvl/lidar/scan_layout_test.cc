@@ -201,6 +201,22 @@ TEST(ScanLayout, RingNumbersOfAnyOrderAreSortedByElevation) {
   EXPECT_GT(ShareOfRightRows(scan, layout), 0.999);
 }
 
+TEST(ScanLayout, BeamsThatSeeOnlySkyAtFirstHaveRowsOfTheirOwn) {
+  // Lowest beam first, as Velodyne and Ouster number them; the five topmost have no return.
+  const LidarModel model = Beams(15.0, -15.0, 16);
+  Scanned scan = ScanWith(model);
+  for (const int row : scan.row) scan.raw.ring.push_back(static_cast<uint16_t>(15 - row));
+  scan.raw.ring_field = "ring";
+  std::vector<size_t> seen;
+  for (size_t i = 0; i < scan.row.size(); ++i) {
+    if (scan.row[i] >= 5) seen.push_back(i);
+  }
+  const ScanLayout layout = Recognise(Reordered(scan, seen).raw);
+  ASSERT_EQ(layout.lidar.rows(), 16);
+  EXPECT_NEAR(layout.lidar.beam_elevation_rad.front(), DegToRad(15.0), 0.01);
+  EXPECT_GT(ShareOfRightRows(scan, layout), 0.999);
+}
+
 TEST(ScanLayout, RingNumbersThatAreNoBeamsAreSaidAndNotUsed) {
   Scanned scan = Shuffled(ScanWith(Beams(10.0, -20.0, 24)));
   for (size_t i = 0; i < scan.row.size(); ++i) {
