@@ -21,8 +21,11 @@ def write_poses(path, poses):
 
 
 def read_calibration(sequence):
-    """T_cam0_lidar of a KITTI odometry folder."""
-    for line in (pathlib.Path(sequence) / "calib.txt").read_text().splitlines():
+    """T_cam0_lidar of a KITTI odometry folder; the identity where there is no calib.txt."""
+    path = pathlib.Path(sequence) / "calib.txt"
+    if not path.exists():
+        return np.eye(4)
+    for line in path.read_text().splitlines():
         if line.startswith("Tr"):
             T_cam0_lidar = np.eye(4)
             T_cam0_lidar[:3, :] = np.array(line.split()[1:], dtype=float).reshape(3, 4)

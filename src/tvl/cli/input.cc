@@ -1,5 +1,7 @@
 #include "tvl/cli/input.h"
 
+#include <filesystem>
+
 #include "tvl/base/check.h"
 #include "tvl/io/cloud/cloud_folder.h"
 #include "tvl/io/kitti/kitti_360.h"
@@ -49,6 +51,17 @@ std::optional<Recording> OpenRecording(const std::string& spec, const BagOptions
   return std::nullopt;
 }
 
+// What is there, but nothing that any reader knows.
+void CheckIsKitti(const std::string& spec) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path path(spec);
+  TVL_CHECK_INPUT(!fs::exists(path, ignored) || fs::is_directory(path / "velodyne", ignored) ||
+                  fs::is_directory(path / "velodyne_points", ignored))
+      << spec << ": no recording that tvl knows: neither scans (.bin, .pcd, .ply, .las) nor a bag "
+      << "(.bag, .db3, .mcap) nor a KITTI layout; see docs/inputs.md";
+}
+
 // The topics asked for: on the command line, else by the rig.
 BagOptions TopicsOf(const InputOptions& options, const Rig& rig) {
   return {options.lidar_topic.empty() ? rig.lidar_topic : options.lidar_topic,
@@ -57,6 +70,7 @@ BagOptions TopicsOf(const InputOptions& options, const Rig& rig) {
 
 std::unique_ptr<Dataset> OpenKitti(const std::string& spec, const InputOptions& options,
                                    const Rig& rig) {
+  CheckIsKitti(spec);
   KittiOptions kitti;
   kitti.recognise = HintsOf(options, rig);
   kitti.camera = options.camera;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tvl/base/check.h"
+#include "tvl/io/temp_folder.h"
 
 namespace tvl {
 namespace {
@@ -13,6 +14,13 @@ TEST(OpenInput, NamesWhatIsWrong) {
     FAIL() << "no error";
   } catch (const InputError& e) {
     EXPECT_EQ(std::string(e.what()), "no/such/folder: no such folder");
+  }
+  try {
+    const TempFolder empty;
+    OpenInput(empty.path().string());
+    FAIL() << "no error";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find(": no recording that tvl knows"), std::string::npos);
   }
   EXPECT_THROW(OpenInput("sim:no such preset"), InputError);
   InputOptions options;
