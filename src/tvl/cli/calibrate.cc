@@ -17,7 +17,9 @@
 #include "tvl/cli/interrupt.h"
 #include "tvl/cli/output_folder.h"
 #include "tvl/cli/progress.h"
+#include "tvl/io/atomic_file.h"
 #include "tvl/io/kitti_layout.h"
+#include "tvl/io/rig.h"
 #include "tvl/report/calibration_text.h"
 #include "tvl/slam/options_io.h"
 #include "tvl/slam/slam_runner.h"
@@ -101,6 +103,13 @@ void WriteCalibration(const std::string& input, const std::string& out,
     WriteOdometryCalibration(out, KittiCalibrationOf(calibration));
     return;
   }
+  if (!LooksLikeKitti(input)) {
+    Rig rig;
+    rig.camera = calibration.camera;
+    rig.T_cam_lidar = calibration.T_cam_lidar;
+    WriteAtomically(out, [&](std::ostream& file) { file << DumpRig(rig); });
+    return;
+  }
   const KittiLayout layout = FindKittiLayout(input);
   KittiCalibration kitti = layout.calibration;
   kitti.T_cam0_lidar = calibration.T_cam0_lidar;
@@ -161,7 +170,7 @@ void AddCalibrateCommand(CLI::App& app) {
   calibrate
       ->add_option("--out", arguments->out,
                    "file to write: calib.txt (P0..P3, Tr) in the odometry layout, "
-                   "calib_velo_to_cam.txt (R, T) for a raw drive")
+                   "calib_velo_to_cam.txt (R, T) for a raw drive, else a rig.yaml for --rig")
       ->required();
   calibrate->add_option("--config", arguments->config, "YAML file with options");
   AddInputOptions(calibrate, &arguments->input_options);

@@ -11,6 +11,7 @@
 #include "tvl/cli/test_program.h"
 #include "tvl/io/kitti_calibration.h"
 #include "tvl/io/profile.h"
+#include "tvl/io/rig.h"
 #include "tvl/io/test_data.h"
 #include "tvl/io/test_folder.h"
 
@@ -97,6 +98,22 @@ TEST_F(CalibrateProgram, FindsWhereTheCameraOfARealDrivePoints) {
   // Right within what the recording's own calibration is.
   EXPECT_LT((found.T_cam0_lidar * right.T_cam0_lidar.Inverse()).RotationAngle(), DegToRad(0.35));
   for (size_t n = 0; n < 4; ++n) EXPECT_TRUE(found.P[n]->isApprox(*right.P[n], 1e-9)) << n;
+}
+
+TEST_F(CalibrateProgram, WritesARigForRecordingsOfAnotherLayout) {
+  const auto recording = TestDataPath("sequences/kitti360_3000");
+  if (!recording) GTEST_SKIP() << "TVL_TEST_DATA is not set: no real drive";
+  const KittiCalibration right = ReadOdometryCalibration(*recording + "/calib.txt");
+  KittiCalibration wrong = right;
+  wrong.T_cam0_lidar =
+      Rigid3d(ExpSo3({0.0, DegToRad(0.9), 0.0}), Eigen::Vector3d::Zero()) * right.T_cam0_lidar;
+  const std::string drive = RealDriveWith(wrong, *recording), rig = folder_ / "rig.yaml";
+  std::filesystem::rename(drive + "/velodyne", drive + "/scans");  // no KITTI layout any more
+  ASSERT_EQ(Run("calibrate " + drive + " --deskew cw --frames :32 --out " + rig), 0) << err_;
+  const Rigid3d T_given = CalibrationOfCamera(right, 2).T_cam_lidar;
+  EXPECT_LT((*LoadRig(rig).T_cam_lidar * T_given.Inverse()).RotationAngle(), DegToRad(0.35));
+  EXPECT_EQ(Run("run " + drive + " --rig " + rig + " --frames :3 --out " + (folder_ / "out")), 0)
+      << err_;
 }
 
 // The same recording in the layout of KITTI raw: the file that is written takes the place of the
