@@ -57,6 +57,16 @@ const MotionEstimate& FinalEstimate(const TrackedPose& tracked) {
 
 }  // namespace
 
+MapStepPoints PointsForMapStep(const KeyframeCloud& cloud, const PreprocessedFrame& frame,
+                               const LidarModel& lidar, double voxel_m) {
+  MapStepPoints points = ThinForMapStep(cloud.planes.points, cloud.edges.points, voxel_m);
+  if (!lidar.rows_are_beams) return points;
+  for (const uint32_t i : points.plane_index) {
+    points.plane_beam.push_back(frame.features.less_flat[i].ring);
+  }
+  return points;
+}
+
 bool HoldsAllDirections(const TrackedPose& tracked) {
   const MotionEstimate& estimate = FinalEstimate(tracked);
   return std::all_of(estimate.weak.begin(), estimate.weak.end(), [](const WeakDirection& weak) {
@@ -178,11 +188,8 @@ void FrameTracker::RefineAgainstMap(const PreprocessedFrame& frame, const Rigid3
                                     TrackedPose* tracked) const {
   if (reference.map.empty() || !reference.map_step_is_due) return;
   const auto& options = options_.mapping.scan_to_map;
-  MapStepPoints points = ThinForMapStep(tracked->cloud.planes.points, tracked->cloud.edges.points,
-                                        options.source_voxel_m);
-  for (const uint32_t i : points.plane_index) {
-    if (setup_.lidar.rows_are_beams) points.plane_beam.push_back(frame.features.less_flat[i].ring);
-  }
+  const MapStepPoints points =
+      PointsForMapStep(tracked->cloud, frame, setup_.lidar, options.source_voxel_m);
   const PosePrior prior{T_odom_prior, tracked->odometry.covariance,
                         tracked->odometry.T_ref_body.t().norm()};
   tracked->map_step = RefinePose(points, reference.map, reference.landmarks, frame.tracks,

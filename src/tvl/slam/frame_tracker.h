@@ -61,6 +61,11 @@ bool HoldsAllDirections(const TrackedPose& tracked);
 // claim to be measured allows (a third of 0.3 m and 3 deg, one standard deviation).
 bool IsStepUncertain(const TrackedPose& tracked);
 
+// The points of a frame that are matched against the map, with their beams where rows are beams.
+// `cloud` has the frame's features, compensated, in their order.
+MapStepPoints PointsForMapStep(const KeyframeCloud& cloud, const PreprocessedFrame& frame,
+                               const LidarModel& lidar, double voxel_m);
+
 class FrameTracker {
  public:
   FrameTracker(const SensorSetup& setup, Deskew deskew, const SlamOptions& options);

@@ -137,6 +137,8 @@ class SlamSystem {
   // As far as they are known by now, from the next frame on.
   void UseExtrinsics();
   // Of an image that is late, in a frame with that motion.
+  // Of the frame's image after its scan: as recorded, and what was found beside that.
+  double ImageDelay_s() const { return image_delay_s_ + extrinsics_.delay_s(); }
   void UseDelay(const PredictedMotion& motion);
   // The scan before this one was compensated anew: replaces it where it is a keyframe.
   void ReplaceLastCloud(KeyframeCloud cloud, const Executor& executor);

@@ -18,7 +18,7 @@ void SlamSystem::CalibrateExtrinsics(const PreprocessedFrame& frame,
         {FrameFault::Kind::kOddCalibration, "frame " + std::to_string(frame.id) + ": " + odd});
   }
   const Rigid3d T_image =
-      Rigid3d::Exp(extrinsics_.delay_s() * last_motion_.Velocity_lidar());  // since the scan
+      Rigid3d::Exp(ImageDelay_s() * last_motion_.Velocity_lidar());  // since the scan
   bool has_changed = extrinsics_.Add(frame.tracks, T_odom_lidar * T_image);
   if (CheckExtrinsics(frame, found, T_image, executor)) has_changed = true;
   // Read with the extrinsics in use: not in the frame in which they change.
@@ -47,11 +47,8 @@ bool SlamSystem::CheckExtrinsics(const PreprocessedFrame& frame, const FoundPose
   }
   if (!frame.has_scan || found.tracked.cloud.planes.points.empty()) return false;
   const auto cloud = std::make_shared<const KeyframeCloud>(found.tracked.cloud);
-  MapStepPoints points = ThinForMapStep(cloud->planes.points, cloud->edges.points,
-                                        options_.mapping.scan_to_map.source_voxel_m);
-  for (const uint32_t i : points.plane_index) {
-    points.plane_beam.push_back(frame.features.less_flat[i].ring);
-  }
+  const MapStepPoints points =
+      PointsForMapStep(*cloud, frame, setup_.lidar, options_.mapping.scan_to_map.source_voxel_m);
   const std::optional<LidarPose> pose =
       lidar_only_.Add(points, cloud, found.tracked.T_odom_lidar, executor);
   if (!pose) {
@@ -76,7 +73,7 @@ void SlamSystem::UseExtrinsics() {
 }
 
 void SlamSystem::UseDelay(const PredictedMotion& motion) {
-  const double delay_s = image_delay_s_ + extrinsics_.delay_s();
+  const double delay_s = ImageDelay_s();
   if (delay_s == 0.0 && !is_delayed_) return;
   is_delayed_ = delay_s != 0.0;
   const Calibration delayed = Delayed(setup_.calibration, delay_s, motion.Velocity_lidar());
